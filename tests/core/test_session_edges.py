@@ -221,3 +221,69 @@ def test_a_solve_in_another_thread_meanwhile_is_refused_and_harms_nothing() -> N
         leave.set()
         assert first.result().gains[0] == np.float32(0.1)
     assert session.solve([0.0, 0.0, 0.2], 100.0).gains[0] == np.float32(0.1)
+
+
+class Spoiling(pc.Solver):
+    """Spoils the array that it writes its gains to, in one of several ways. It keeps it."""
+
+    name = "spoiling"
+    keeps = frozenset[str]()
+
+    def __init__(self, how: str) -> None:
+        self.how, self.kept = how, np.empty(0)
+
+    def solve(
+        self, propagator: Any, targets: Any, limits: Any, warm: Any, budget: Any, out: Any
+    ) -> pc.Result:
+        self.kept = out
+        if self.how == "flags":
+            out.setflags(write=False)
+        elif self.how == "shape":
+            out.shape = (1, len(out))
+        elif self.how == "dtype":
+            out.dtype = np.int64
+        return pc.Result()
+
+
+@pytest.mark.parametrize("how", ["flags", "shape", "dtype", "kept"])
+def test_a_solver_that_spoils_its_array_spoils_no_other_solver(how: str) -> None:
+    session, point = pc.Session(pc.autd()), [0.0, 0.0, 0.15]
+    before = session.solve(point, 500.0).gains.copy()
+    session.forget()
+    spoiling = Spoiling(how)
+    session.solver = spoiling
+    with suppress(pc.PluginError):
+        session.solve(point, 500.0)
+    session.solver = "auto"
+    with suppress(ValueError):
+        spoiling.kept[...] = np.nan if how == "kept" else 1
+    for factor in 1.0, 2.0, 3.0:
+        made = session.solve(point, 500.0 * factor)
+        assert made.status is pc.Status.ok
+        with suppress(ValueError):
+            spoiling.kept[...] = np.nan if how == "kept" else 1
+    session.forget()
+    np.testing.assert_array_equal(session.solve(point, 500.0).gains, before)
+
+
+@pytest.mark.parametrize("how", ["shape", "dtype"])
+def test_a_solver_that_changes_the_shape_of_its_array_is_named(how: str) -> None:
+    with pytest.raises(pc.PluginError, match=r"spoiling.*shape or type"):
+        pc.Session(pc.autd(), solver=Spoiling(how)).solve([0.0, 0.0, 0.15], 500.0)
+
+
+@pytest.mark.parametrize(
+    "solver", ["lagrange", "gs", "gs-pat", "lbfgs", "greedy", "pseudo-inverse"]
+)
+def test_a_solve_that_is_cancelled_ends_with_what_it_has(solver: str) -> None:
+    session = pc.Session(ARRAY, solver=solver)
+    session.is_cancelled = lambda: True
+    q = points(24)
+    made = session.solve(q, 500.0, regions=np.zeros(24, np.intp))
+    assert np.isfinite(made.gains).all()
+    assert np.abs(made.gains).max() <= 1.0
+    whole = pc.solve(ARRAY, q, 500.0, regions=np.zeros(24, np.intp), solver=solver)
+    assert made.iterations <= whole.iterations
+    session.is_cancelled = lambda: False
+    again = session.solve(q, 500.0, regions=np.zeros(24, np.intp))
+    assert again.error <= 1.05 * whole.error + 1e-3, "it goes on from there"

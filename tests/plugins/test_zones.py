@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import cvxpy as cp
 import numpy as np
@@ -88,10 +88,10 @@ def test_the_excess_is_that_over_the_limit_however_low(pressure: float) -> None:
     session = pc.Session(ARRAY, AIR)
     gains = session.solve(POINTS, [800.0] * 3, limits=pc.Limits(zones=(ear,))).gains
     rounded = np.exp(1j * np.round(np.angle(gains) * 128 / np.pi) * np.pi / 128) * np.abs(gains)
-    nulls = session.propagator.nulls
-    assert nulls is not None
+    quiet_subspace = session.propagator.quiet_subspace
+    assert quiet_subspace is not None
     heard = float(np.abs(pc.matrix(ARRAY, np.array([ear.position]), AIR) @ rounded)[0])
-    assert nulls.measure_excess(rounded) == pytest.approx(heard / pressure, rel=0.01)
+    assert quiet_subspace.measure_excess(rounded) == pytest.approx(heard / pressure, rel=0.01)
 
 
 def test_a_head_is_quiet_and_the_foci_are_as_strong() -> None:
@@ -145,9 +145,9 @@ def test_what_gains_of_that_kind_can_make_is_made(pressure: float) -> None:
     phases = np.array([0.0, 1.0, 2.0])
     session = pc.Session(ARRAY, AIR, "lagrange")
     found = session.solve(POINTS, [pressure] * 3, phases, limits=pc.Limits(zones=(EAR,)))
-    nulls = session.propagator.nulls
-    assert nulls is not None
-    V, B = nulls.V.astype(complex), pc.matrix(ARRAY, POINTS, AIR) / pressure
+    quiet_subspace = session.propagator.quiet_subspace
+    assert quiet_subspace is not None
+    V, B = quiet_subspace.V.astype(complex), pc.matrix(ARRAY, POINTS, AIR) / pressure
     assert pytest.approx(np.eye(len(V)), abs=1e-4) == V @ V.conj().T
     g = cp.Variable(len(ARRAY), complex=True)
     missed = cp.norm(B @ g - np.exp(1j * phases)) / math.sqrt(3.0)
@@ -452,6 +452,35 @@ def test_quiet_points_gain_and_power_hold_beside_a_zone(solver: str, scale: str)
     assert np.abs(found.sound_pressure).max() > 300.0
 
 
+class HeedlessFocus(pc.Solver):
+    """Makes a focus, although it should keep quiet points."""
+
+    name: ClassVar[str] = "heedless-focus"
+    keeps: ClassVar[frozenset[str]] = frozenset({"quiet"})
+
+    def solve(
+        self, propagator: pc.Propagator, targets: pc.Targets, limits: pc.Limits,
+        warm: pc.Solution | None, budget: pc.Budget, out: pc.Gains,
+    ) -> pc.Result:  # fmt: skip
+        """Write the gains of a focus at the first point."""
+        b = propagator.B[0]
+        out[:] = targets.amplitudes[0] * b.conj() / np.vdot(b, b).real
+        return pc.Result()
+
+
+def test_gains_that_are_scaled_down_for_quiet_points_are_limited() -> None:
+    # more points than are corrected one by one
+    where = POINTS[0] + np.random.default_rng(2).uniform(-0.002, 0.002, (600, 3))
+    limits = pc.Limits(quiet=(where, 100.0), zones=(EAR,))
+    session = pc.Session(ARRAY, AIR, HeedlessFocus())
+    weak = session.solve(POINTS[0], 90.0, limits=limits)
+    assert weak.status is pc.Status.ok
+    scaled = session.solve(POINTS[0], 200.0, limits=limits)
+    assert not scaled.violations
+    assert scaled.error == pytest.approx(0.5, abs=0.02)
+    assert scaled.status is pc.Status.limited
+
+
 def test_a_quiet_point_in_a_zone_keeps_its_own_limit() -> None:
     zone = pc.Zone(EAR.position, pressure=60.0, radius=EAR.radius)
     where = np.array([[0.09, 0.0, 0.25]])
@@ -511,9 +540,9 @@ def test_beside_a_zone_foci_are_nearly_as_strong_as_any_that_keep_it(solver: str
     """The gains reach the limit. Another solver finds the strongest without V."""
     session = pc.Session(ARRAY, AIR, solver)
     found = session.solve(POINTS[:1], [1e4], limits=pc.Limits(zones=(EAR,)))
-    nulls = session.propagator.nulls
-    assert nulls is not None
-    V, b = nulls.V.astype(complex), pc.matrix(ARRAY, POINTS[:1], AIR)[0] / 1e3
+    quiet_subspace = session.propagator.quiet_subspace
+    assert quiet_subspace is not None
+    V, b = quiet_subspace.V.astype(complex), pc.matrix(ARRAY, POINTS[:1], AIR)[0] / 1e3
     g = cp.Variable(len(ARRAY), complex=True)
     strongest = cp.Maximize(cp.real(b @ g))
     best: Any = cp.Problem(strongest, [cp.abs(g) <= 1.0, V @ g == 0.0]).solve("CLARABEL")

@@ -93,7 +93,7 @@ def test_without_npm_all_but_the_page_is_installed(
     made = hook()
     monkeypatch.setattr(made.importlib.util, "find_spec", lambda name: None)
     monkeypatch.setenv("PATH", str(project))
-    assert made.tools() is None
+    assert made.find_tools() is None
     with pytest.raises(FileNotFoundError, match="npm"):
         made.build(project)
     monkeypatch.undo()
@@ -107,22 +107,22 @@ def test_without_npm_all_but_the_page_is_installed(
     assert "install Node.js" in said
     with zipfile.ZipFile(file) as wheel:
         assert not _named(wheel.namelist())
-    assert made.stale(project)
+    assert made.is_stale(project)
 
 
 def test_a_page_of_other_sources_is_built_again(project: Path) -> None:
     made = hook()
     page = project / "core/pacinian/viewing/page"
     page.mkdir()
-    (page / made.STAMP).write_text(made.digest(project / "viewer"), encoding="ascii")
-    assert not made.stale(project)
+    (page / made.STAMP).write_text(made.hash_sources(project / "viewer"), encoding="ascii")
+    assert not made.is_stale(project)
     source = project / "viewer/index.html"
     source.write_bytes(source.read_bytes().replace(b"\n", b"\r\n"))
-    assert not made.stale(project)
+    assert not made.is_stale(project)
     source.write_bytes(source.read_bytes() + b"<!-- -->")
-    assert made.stale(project)
+    assert made.is_stale(project)
     shutil.rmtree(project / "viewer")
-    assert not made.stale(project)  # as in a source archive, which has no sources of the page
+    assert not made.is_stale(project)  # as in a source archive, which has no sources of the page
 
 
 @pytest.mark.deep("npm")

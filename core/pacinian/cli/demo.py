@@ -56,6 +56,8 @@ def demo(
     from pacinian.cli.run_output import (
         ProcessorMeter,
         describe_success,
+        forbid_exit,
+        open_renderer,
         picture,
         print_summary,
         progress,
@@ -70,7 +72,11 @@ def demo(
     renderer = Renderer(array, make_circling_scene, solver=solver, backend=device, rate=rate)
     extra: dict[str, Any] = {"seconds": seconds}
     others: float | None = None
-    with renderer, progress("rendering", seconds * (2 if dummy else 1), as_json) as on_tick:
+    with (
+        forbid_exit(),
+        open_renderer(renderer),
+        progress("rendering", seconds * (2 if dummy else 1), as_json) as on_tick,
+    ):
         meter = ProcessorMeter()
         if dummy:  # which only burns the processor's time
             extra["dummy"] = alternate(renderer, seconds, on_tick).summary()

@@ -13,6 +13,7 @@ import click
 from pacinian.cli.device_calibrate import calibrate
 from pacinian.cli.doctor_rules import RIGHTS
 from pacinian.cli.run_output import check_picture_path
+from pacinian.errors import replace_unprintable
 
 if TYPE_CHECKING:
     from pacinian.cli.doctor_rules import Finding
@@ -66,7 +67,8 @@ def _list(found: list[FoundDevice]) -> None:
     for f in found:
         bad = "[red]cannot be used[/]" if f.title else "[yellow]search failed[/]"
         state = bad if f.problem else "[green]ready[/]"
-        table.add_row(f.backend, escape(f.serial) or "-", escape(f.title) or "-", state)
+        texts = f.backend, f.serial or "-", f.title or "-"  # a device chooses some of them
+        table.add_row(*(escape(replace_unprintable(text)) for text in texts), state)
     if found:
         console.print(table)
     if not any(f.title for f in found):
@@ -74,7 +76,7 @@ def _list(found: list[FoundDevice]) -> None:
     problems = [f for f in found if f.problem]
     for f in problems:
         name = f"{f.backend} {f.serial}".strip()
-        console.print(f"{name}: {f.problem}", markup=False)
+        console.print(replace_unprintable(f"{name}: {f.problem}"), markup=False)
     if problems or not found:
         console.print(ADVICE.get(sys.platform, ADVICE["linux"]), markup=False)
 
@@ -114,7 +116,8 @@ def _check_online(device: DeviceDescription) -> list[Finding]:
         device, device_discovery.list_connected(registry.discover_plugins(), device.backend)
     )
     if device.backend:
-        found.insert(0, levels(device, registry.backend(device.backend).capability))
+        capability = registry.read_capability(registry.backend(device.backend))
+        found.insert(0, levels(device, capability))
     return found
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pacinian.cli.connection_option import CONNECTION
+from pacinian.errors import replace_unprintable
 
 if TYPE_CHECKING:
     from pacinian.cli.doctor_rules import Finding
@@ -47,9 +48,10 @@ def print_findings(findings: list[Finding]) -> None:
     console = Console(highlight=False, soft_wrap=True)  # remedies are copied: no line may be broken
     for f in findings:
         level = f"[{COLOURS[f.level]}]{f.level:<8}[/]"
-        console.print(f"{level} {escape(f.name)}: {escape(f.text)}")
+        # a device chooses some of the texts
+        console.print(f"{level} {escape(replace_unprintable(f'{f.name}: {f.text}'))}")
         if f.fix:
-            console.print(f"         -> {escape(f.fix)}")
+            console.print(f"         -> {escape(replace_unprintable(f.fix))}")
     problems, warnings = (
         sum(f.level == level for f in findings) for level in ("problem", "warning")
     )

@@ -114,13 +114,11 @@ for several in COMMANDS.values():
 
 
 def main() -> NoReturn:
-    """Run the command line. This is the entry point."""
-    signal.signal(signal.SIGTERM, _interrupt)
-    if sys.platform == "win32":  # sent when the console is closed
-        signal.signal(signal.SIGBREAK, _interrupt)
-    if isinstance(sys.stdout, io.TextIOWrapper):  # which may lack characters of a name
-        sys.stdout.reconfigure(errors="replace")
+    """Run the command line."""
     try:
+        _catch_signals()
+        if isinstance(sys.stdout, io.TextIOWrapper):  # which may lack characters of a name
+            sys.stdout.reconfigure(errors="replace")
         cli(standalone_mode=False)
     except click.ClickException as error:
         error.show()
@@ -143,6 +141,14 @@ def _quietly(message: str) -> None:
     sys.stdout = None  # otherwise the interpreter would try to flush it again
 
 
+def _catch_signals() -> None:
+    """Handle SIGTERM and the end of the terminal like Ctrl-C, so that the run ends in silence."""
+    signal.signal(signal.SIGTERM, _interrupt)
+    if sys.platform == "win32":  # sent when the console is closed
+        signal.signal(signal.SIGBREAK, _interrupt)
+    elif signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:  # which nohup sets
+        signal.signal(signal.SIGHUP, _interrupt)
+
+
 def _interrupt(number: int, frame: FrameType | None) -> None:
-    """Handle SIGTERM like Ctrl-C, so that the run ends in silence."""
     raise KeyboardInterrupt

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import stat
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,18 @@ import click
 
 from pacinian.cli.finite_range import FiniteRange
 from pacinian.cli.run_output import check_picture_path
+
+
+def _check_record_path(context: click.Context, parameter: click.Parameter, path: str) -> str:
+    """Refuse a pipe or a socket, because its reader could stop the loop during a tick. Raises BadParameter."""
+    try:
+        mode = Path(path).stat().st_mode if path else 0
+    except (OSError, ValueError):  # not there yet, or the recorder says what is wrong
+        return path
+    if stat.S_ISFIFO(mode) or stat.S_ISSOCK(mode):
+        problem = "is a pipe or a socket, whose reader could stop the run: give a file"
+        raise click.BadParameter(f"{path!r} {problem}")
+    return path
 
 
 @click.command()
@@ -23,7 +36,10 @@ from pacinian.cli.run_output import check_picture_path
 @click.option("--solver", default=None, help="Override the file's solver.")
 @click.option("--backend", default=None, help="Override the file's backend.")
 @click.option(
-    "--record", default="", help="Record every tick to this file: scene, decisions, frame."
+    "--record",
+    default="",
+    callback=_check_record_path,
+    help="Record every tick to this file: scene, decisions, frame.",
 )
 @click.option(
     "--strict",
@@ -57,6 +73,7 @@ def render(
     from pacinian.cli.run_output import (
         ProcessorMeter,
         forbid_exit,
+        open_renderer,
         picture,
         print_summary,
         progress,
@@ -75,7 +92,8 @@ def render(
         file = replace(file, solver=solver)
     if backend:
         file = replace(file, backend=backend)
-    renderer = make_renderer(file, scene, strict=strict)
+    with forbid_exit():
+        renderer = make_renderer(file, scene, strict=strict)
     if record:
         renderer.recorder = Recorder(record)
     extra: dict[str, Any] = {
@@ -84,7 +102,11 @@ def render(
         "record": record,
         "strict": strict,
     }
-    with forbid_exit(), renderer, progress(scene.name, seconds or 1.0, as_json) as on_tick:
+    with (
+        forbid_exit(),
+        open_renderer(renderer),
+        progress(scene.name, seconds or 1.0, as_json) as on_tick,
+    ):
         meter = ProcessorMeter()
         renderer.run(seconds or None, on_tick)
         others = meter.measure_others()

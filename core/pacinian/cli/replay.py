@@ -33,7 +33,9 @@ def replay(recording: str, backend: str | None, again: bool, strict: bool, as_js
     frames are identical, bit for bit. Exit code 1 if any frame differs. Differences of versions, kernels and objects
     are named.
     """
+    from pacinian.cli.run_output import blame_plugin, forbid_exit
     from pacinian.plugins.registry import backend as make
+    from pacinian.plugins.registry import read_capability
     from pacinian.rendering.recording import Recording
     from pacinian.rendering.replay import replay as play
 
@@ -46,7 +48,8 @@ def replay(recording: str, backend: str | None, again: bool, strict: bool, as_js
     if again:
         from pacinian.rendering.rerender import rerender
 
-        found = rerender(opened)
+        with forbid_exit():
+            found = rerender(opened)
         _warn(opened)
         if as_json:
             click.echo(json.dumps({"recording": recording, **asdict(found)}))
@@ -56,7 +59,10 @@ def replay(recording: str, backend: str | None, again: bool, strict: bool, as_js
     can = opened.capability
     fits = {"phases": can.phases, "amplitudes": can.amplitudes, "rate": can.rate}
     options = fits if backend == "simulated" else {}
-    frames, late = play(opened, make(backend, **options), opened.array, strict=strict)
+    device = make(backend, **options)
+    read_capability(device)
+    with forbid_exit(), blame_plugin(f"backend {backend!r}"):
+        frames, late = play(opened, device, opened.array, strict=strict)
     _warn(opened)
     if as_json:
         figures = {"recording": recording, "backend": backend, "frames": frames, "late": late}

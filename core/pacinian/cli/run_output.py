@@ -5,14 +5,14 @@ from __future__ import annotations
 import json
 import os
 import time
-from contextlib import contextmanager, nullcontext
+from contextlib import closing, contextmanager, nullcontext
 from pathlib import Path
 from tempfile import TemporaryFile
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from pacinian.errors import PluginError
+from pacinian.errors import PacinianError, PluginError, describe_error
 from pacinian.skip_reasons import MISSED_TICKS, split_skips
 
 if TYPE_CHECKING:
@@ -39,6 +39,36 @@ def forbid_exit() -> Generator[None]:
         raise PluginError(
             f"the solver or the backend ended the run by SystemExit({error.code!r}): it must raise another error"
         ) from error
+
+
+@contextmanager
+def blame_plugin(plugins: str) -> Generator[None]:
+    """Take every exception in the body of the `with` statement for one of a plug-in, except Pacinian's own errors.
+
+    plugins: the plug-ins that may have raised it, as in "backend 'simulated'". Raises PluginError, which names them.
+    """
+    try:
+        yield
+    except PacinianError:
+        raise
+    except Exception as error:
+        raise PluginError(f"{plugins} failed: {describe_error(error)}") from error
+
+
+@contextmanager
+def open_renderer(renderer: Renderer) -> Generator[None]:
+    """Open a renderer, and close it at the end of the `with` statement.
+
+    Raises PluginError, which names the backend that cannot be opened. If the renderer is strict, it also tries the
+    solver, and the error names both.
+    """
+    plugins = f"backend {renderer.backend.name!r}"
+    if renderer.strict:
+        plugins += f" or solver {renderer.session.solver.name!r}"
+    with closing(renderer):
+        with blame_plugin(plugins):
+            renderer.open()
+        yield
 
 
 def progress(

@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from pacinian.scene.config_sections import PluginConfig
     from pacinian.serving.settings import Settings
 
-FAREWELL = 5.0  # time for the viewer to end [s]
-PORT = click.IntRange(0, 65535)
-VIEWER = "starlette", "uvicorn", "websockets"
+MAX_VIEWER_END_TIME = 5.0  # time limit for the viewer to end [s]
+PORT_TYPE = click.IntRange(0, 65535)
+VIEWER_LIBRARIES = "starlette", "uvicorn", "websockets"
 
 
 @click.command()
@@ -29,12 +29,12 @@ VIEWER = "starlette", "uvicorn", "websockets"
 @click.option(
     "--host", default=None, help="IP address to listen on; any but loopback needs --keys."
 )
-@click.option("--control", type=PORT, default=None, help="Port; 0 for any free port.")
-@click.option("--command", type=PORT, default=None, help="Port; 0 for any free port.")
-@click.option("--state", type=PORT, default=None, help="Port; 0 for any free port.")
+@click.option("--control", type=PORT_TYPE, default=None, help="Port; 0 for any free port.")
+@click.option("--command", type=PORT_TYPE, default=None, help="Port; 0 for any free port.")
+@click.option("--state", type=PORT_TYPE, default=None, help="Port; 0 for any free port.")
 @click.option("--keys", default=None, help="Folder of keys: see `pacinian keys`.")
 @click.option("--connection", default=None, help="Connection file to write for clients.")
-@click.option("--metrics", type=PORT, default=None, help="Port for Prometheus, on 127.0.0.1.")
+@click.option("--metrics", type=PORT_TYPE, default=None, help="Port for Prometheus, on 127.0.0.1.")
 @click.option(
     "--log-format", type=click.Choice(["console", "json"]), default=None, help="Of standard error."
 )
@@ -63,7 +63,7 @@ def serve(config: Path | None, view: bool, until_eof: bool, **given: Any) -> Non
     from pacinian.serving.server import serve as run
     from pacinian.serving.settings import Settings, load
 
-    settings = _with(load(config) if config else Settings(), given)
+    settings = _override(load(config) if config else Settings(), given)
     imported = _find_plugins(settings)
     if view:
         check_viewer()
@@ -72,7 +72,7 @@ def serve(config: Path | None, view: bool, until_eof: bool, **given: Any) -> Non
         def ready(path: Path) -> None:
             _print_ready(path)
             if view:
-                stack.enter_context(_viewer(path))
+                stack.enter_context(_run_viewer(path))
 
         ending = threading.Event()
         if until_eof:
@@ -117,17 +117,17 @@ def check_viewer() -> None:
 
     from pacinian.errors import MissingExtra
 
-    for library in VIEWER:
+    for library in VIEWER_LIBRARIES:
         if find_spec(library) is None:
             raise MissingExtra(library, "view")
 
 
 @contextlib.contextmanager
-def _viewer(connection: Path) -> Generator[None]:
+def _run_viewer(connection: Path) -> Generator[None]:
     """Run the viewer in a process of its own, which ends when its standard input closes."""
     import subprocess
 
-    from pacinian.serving.ipc.spawned_process import SAFE_PATH
+    from pacinian.serving.ipc.processes import SAFE_PATH
 
     command = [
         sys.executable,
@@ -145,13 +145,13 @@ def _viewer(connection: Path) -> Generator[None]:
         yield
     finally:
         try:
-            process.communicate(timeout=FAREWELL)
+            process.communicate(timeout=MAX_VIEWER_END_TIME)
         except subprocess.TimeoutExpired:
             process.kill()
             process.communicate()
 
 
-def _with(settings: Settings, given: dict[str, Any]) -> Settings:
+def _override(settings: Settings, given: dict[str, Any]) -> Settings:
     """Return the settings, overridden by the options."""
     from msgspec.structs import replace
 

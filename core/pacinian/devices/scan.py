@@ -57,6 +57,7 @@ SIZES = {
 }  # to the base unit
 MAX_AMPLITUDE = 1e12  # reading, in the scan's unit
 MAX_CONDITION = 100.0  # condition number of the drives, by which noise may grow
+REPEAT_ADVICE = "average the two readings, or give the second position its own measured coordinates"
 READ_PHASES = (
     "Phases cannot be computed from the amplitudes. Read amplitude and phase, with a lock-in amplifier or with an "
     "oscilloscope that the drive triggers"
@@ -110,8 +111,7 @@ def merge_positions(scan: Scan) -> Scan:
             place = " ".join(f"{x:g}" for x in places[m])
             raise ArgumentError(
                 "positions",
-                f"contain {place} m twice, and {int(twice.sum())} channels were read both times: average these "
-                "readings, or give the second place its own measured coordinates",
+                f"contain {place} m twice, and {int(twice.sum())} channels were read both times: {REPEAT_ADVICE}",
             )
         merged[m, given], files[m, given] = values[given], numbers[given]
     return Scan(places, merged, files, scan.unit)
@@ -184,22 +184,23 @@ def _read_csv(path: Path, device: DeviceDescription) -> Scan:
                 raise SceneFileError(path, where, f"{serial!r} has channels 0 to {size - 1}")
             row = rows.setdefault(place, np.full(count, np.nan, np.complex128))
             if len(rows) > MAX_POSITIONS:
-                raise SceneFileError(path, where, f"is at the position after {MAX_POSITIONS}")
+                raise SceneFileError(path, where, f"has more than {MAX_POSITIONS} positions")
             if not np.isnan(row[first + channel]):
-                raise SceneFileError(path, where, "reads the channel there again: average them")
+                problem = f"reads this channel again at this position: {REPEAT_ADVICE}"
+                raise SceneFileError(path, where, problem)
             row[first + channel] = reading
     if not rows:
         raise SceneFileError(path, "", "holds no reading")
-    return _make_single(np.array(list(rows)), np.array(list(rows.values())), units.size)
+    return _make_single(np.array(list(rows)), np.array(list(rows.values())), units.unit)
 
 
 @dataclass(frozen=True)
 class _Units:
-    """Factors to [m], to the base unit `size` ("Pa", "V" or "") and to [rad]."""
+    """Factors to [m], to the base unit `unit` ("Pa", "V" or "") and to [rad]."""
 
     lengths: tuple[float, ...] = (1.0, 1.0, 1.0)
     scale: float = 1.0
-    size: str = ""
+    unit: str = ""
     angle: float = 1.0
 
 
@@ -213,14 +214,14 @@ def _read_head(path: Path, cells: list[str]) -> tuple[tuple[str, ...], _Units]:
     known: dict[str, dict[str, Any]] = {
         **dict.fromkeys("xyz", LENGTHS), "amplitude": SIZES, "phase": ANGLES
     }  # fmt: skip
-    for name, unit in given.items():
-        if name in known and unit not in known[name]:
+    for name, bracketed in given.items():
+        if name in known and bracketed not in known[name]:
             raise SceneFileError(
-                path, "line 1", f"has `{name}` in {unit!r}; there are {', '.join(known[name])}"
+                path, "line 1", f"has `{name}` in {bracketed!r}; there are {', '.join(known[name])}"
             )
-    scale, size = SIZES[given["amplitude"]] if "amplitude" in given else (1.0, "")
+    scale, unit = SIZES[given["amplitude"]] if "amplitude" in given else (1.0, "")
     lengths = tuple(LENGTHS[given.get(axis, "m")] for axis in "xyz")
-    return names, _Units(lengths, scale, size, ANGLES[given.get("phase", "rad")])
+    return names, _Units(lengths, scale, unit, ANGLES[given.get("phase", "rad")])
 
 
 def _read_row(

@@ -5,15 +5,16 @@ Least squares for s, q, c and the pose T of the array in the frame of the scan, 
     X_mn = mu_f s_n B_mn(q_m, c, T),    B as in `pacinian.matrix`, with the absorption of air
 
 X_mn is the reading of the microphone at position m while only transducer n is driven. mu_f, the microphone's gain and
-phase, is one complex number for each file f of the scan. That of the first file cannot be separated from a factor
-common to all responses, so their mean strength is set to 1 and their common phase to 0; the factor is P0 in the
-microphone's unit. The others are fitted relative to the first. `pacinian.devices.scan_robust_fit` has the method.
+phase, is one complex number for each file f of the scan. The factor of the first file cannot be separated from a factor
+common to all responses. So the responses have mean strength 1 and common phase 0, and that factor is P0 in the
+microphone's unit. The factors of the other files are relative to the first. `pacinian.devices.scan_robust_fit` has the
+method.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from scipy.sparse.csgraph import connected_components
@@ -206,7 +207,7 @@ def fit_scan(
             f"{np.linalg.norm(best.turn):.3f} rad, much more than the stated error of its pose: measure the pose "
             "again, and check the order of the channels",
         )
-    return _finish(best, size, best.prior.widths / prior.widths, group)
+    return _make_fit(best, size, best.prior.widths / prior.widths, group)
 
 
 def _check_files(files: ArrayLike, shape: tuple[int, int]) -> Longs:
@@ -303,11 +304,53 @@ def _find_vague(model: ScanModel) -> tuple[str, ...]:
     return (*single, *together)
 
 
-def _finish(model: ScanModel, size: float, widened: Floats, group: Longs) -> ScanFit:
-    """Normalise, find dead, unseen and reversed transducers, and propagate errors. Raises ArgumentError.
+def _make_fit(model: ScanModel, size: float, widened: Floats, group: Longs) -> ScanFit:
+    """Normalise the responses, classify transducers and propagate errors. Raises ArgumentError.
 
     size: reading that was scaled to 1. widened: as in `ScanFit`. group: number of each file's factor, (F,).
     """
+    seen, mean = _find_seen(model)
+    unseen = model.response_noise > MAX_ERROR * mean
+    dead = ~unseen & ~seen
+    s = _normalise_responses(model, seen, mean)
+    s[dead], s[unseen] = 0.0, 1.0
+    errors = _propagate_errors(model, seen, mean)
+    shared_errors = np.sqrt(np.diag(errors.covariance))
+    places = np.einsum("mip,pq,miq->mi", model.D, model.cov, model.D, optimize=True)
+    residuals, doubtful = _measure_misfits(model)
+    outlying = model.read & (model.W < OUTLIER_WEIGHT)
+    return ScanFit(
+        responses=s,
+        gain_errors=errors.gain,
+        phase_errors=errors.phase,
+        dead=dead,
+        unseen=unseen,
+        reversed=seen & (s.real < 0.0),
+        positions=model.positions,
+        position_errors=np.sqrt(places),
+        residuals=residuals,
+        residual=model.residual,
+        doubtful=doubtful,
+        outliers=int(outlying.sum()),
+        speed_of_sound=model.c,
+        speed_error=float(shared_errors[0]),
+        pose=model.pose,
+        shift=model.shift,
+        turn=model.turn,
+        pose_errors=shared_errors[2:8],
+        factors=model.factors[group],
+        factor_errors=_compute_factor_errors(model, group),
+        pressure=mean * size,
+        pressure_error=float(shared_errors[8]),
+        covariance=errors.covariance,
+        widened=widened,
+        odd=_find_odd(model, outlying),
+        vague=_find_vague(model),
+    )
+
+
+def _find_seen(model: ScanModel) -> tuple[Flags, float]:
+    """Return which transducers are seen and alive, (N,), and their mean strength. Raises ArgumentError if none is."""
     strength, noise = np.abs(model.s), model.response_noise
     mean, seen = 0.0, model.S > 0.0
     for _ in range(3):  # the mean is over transducers that are seen and alive
@@ -318,14 +361,30 @@ def _finish(model: ScanModel, size: float, widened: Floats, group: Longs) -> Sca
             "readings",
             "show the sound of no transducer: place the microphone in front of the array, and increase the drive",
         )
-    unseen = noise > MAX_ERROR * mean
+    return seen, mean
+
+
+def _normalise_responses(model: ScanModel, seen: Flags, mean: float) -> Complexes:
+    """Return responses of mean strength 1 and common phase 0, (N,). seen, mean: see `_find_seen`."""
     s = model.s / mean
     axis = (s[seen] ** 2 / np.abs(s[seen])).sum()  # squares: reversed ones do not cancel
     s = s * np.exp(-0.5j * np.angle(axis))
     if s[seen].real.sum() < 0.0:
         s = -s
-    dead = ~unseen & ~seen
-    s[dead], s[unseen] = 0.0, 1.0
+    return np.asarray(s)
+
+
+class _Errors(NamedTuple):
+    """Errors of the responses, (N,), and a covariance, (9, 9), as in `ScanFit`."""
+
+    gain: Floats
+    phase: Floats
+    covariance: Floats
+
+
+def _propagate_errors(model: ScanModel, seen: Flags, mean: float) -> _Errors:
+    """Return the errors of normalised responses and of what all positions share. seen, mean: see `_find_seen`."""
+    strength, noise = np.abs(model.s), model.response_noise
     weight = np.where(seen, strength, 0.0) / strength[seen].sum()  # of each response in the mean
     common = model.J @ weight  # d ln mean / d (p, c, beta, ln mu)
     J = model.J - common[:, None]
@@ -341,51 +400,36 @@ def _finish(model: ScanModel, size: float, widened: Floats, group: Longs) -> Sca
     K[8, : len(J)] = common.real
     covariance = K @ model.cov @ K.T
     covariance[8, 8] += shared
-    places = np.einsum("mip,pq,miq->mi", model.D, model.cov, model.D, optimize=True)
+    return _Errors(np.sqrt(own + by_size), np.sqrt(own + by_phase), covariance)
+
+
+def _measure_misfits(model: ScanModel) -> tuple[Floats, Flags]:
+    """Return the residual at each position and whether the position is doubtful, (M,), as in `ScanFit`."""
     misfits = np.array(
         [
             np.median(a[read]) if read.any() else 0.0
-            for a, read in zip(model.away, model.read, strict=True)
+            for a, read in zip(model.residuals, model.read, strict=True)
         ]
     )
-    typical = max(float(np.median(model.away[model.read])), MIN_NOISE)
+    typical = max(float(np.median(model.residuals[model.read])), MIN_NOISE)
     residuals = [
         compare_noise(float(misfit) / np.sqrt(np.log(4.0)), F[read])
         for misfit, F, read in zip(misfits, model.F, model.read, strict=True)
     ]
-    errors = np.sqrt(np.diag(covariance))
-    own_factors = np.diag(model.cov)[model.own][2:].reshape(-1, 2)
-    factor_errors = np.sqrt(np.concatenate([[[np.nan] * 2], own_factors]))[group]  # (F, 2)
-    factor_errors[0] = 0.0
-    outlying = model.read & (model.W < OUTLIER_WEIGHT)
+    return np.array(residuals), misfits > MAX_SPREAD * typical
+
+
+def _compute_factor_errors(model: ScanModel, group: Longs) -> Floats:
+    """Return the errors of the files' factors, (F, 2), as in `ScanFit`. group: number of each file's factor, (F,)."""
+    own = np.diag(model.cov)[model.own][2:].reshape(-1, 2)
+    errors = np.sqrt(np.concatenate([[[np.nan] * 2], own]))[group]
+    errors[0] = 0.0
+    return np.asarray(errors)
+
+
+def _find_odd(model: ScanModel, outlying: Flags) -> Flags:
+    """Return whether each transducer is odd, (N,), as in `ScanFit`. outlying: which readings are outliers, (M, N)."""
     sizes = np.maximum((np.abs(model.X) ** 2).sum(axis=0), MIN_SUM)
     missed = np.sqrt((np.abs(model.read * (model.X - model.F)) ** 2).sum(axis=0) / sizes)  # (N,)
-    return ScanFit(
-        responses=s,
-        gain_errors=np.sqrt(own + by_size),
-        phase_errors=np.sqrt(own + by_phase),
-        dead=dead,
-        unseen=unseen,
-        reversed=seen & (s.real < 0.0),
-        positions=model.positions,
-        position_errors=np.sqrt(places),
-        residuals=np.array(residuals),
-        residual=model.residual,
-        doubtful=misfits > MAX_SPREAD * typical,
-        outliers=int(outlying.sum()),
-        speed_of_sound=model.c,
-        speed_error=float(errors[0]),
-        pose=model.pose,
-        shift=model.shift,
-        turn=model.turn,
-        pose_errors=errors[2:8],
-        factors=model.factors[group],
-        factor_errors=factor_errors,
-        pressure=mean * size,
-        pressure_error=float(errors[8]),
-        covariance=covariance,
-        widened=widened,
-        odd=(outlying.sum(axis=0) > MAX_OUTLIER_SHARE * model.read.sum(axis=0))
-        & (missed > MAX_RESIDUAL),
-        vague=_find_vague(model),
-    )
+    often = outlying.sum(axis=0) > MAX_OUTLIER_SHARE * model.read.sum(axis=0)
+    return np.asarray(often & (missed > MAX_RESIDUAL))

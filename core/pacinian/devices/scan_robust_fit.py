@@ -9,8 +9,9 @@ c, beta and mu, the response of each transducer has a closed form (variable proj
 Readings far from the rest lose their weight (Cauchy's, iterated). The covariance is that of such an estimate, A^-1 V
 A^-1 (P. J. Huber, Robust Statistics, 1981, section 6.3), with the priors of positions, air and pose in A and V.
 
-Where the positions or the pose are further off than was said, their priors widen to what the scan shows: to the errors
-that make the scan likeliest, by the EM algorithm (Dempster, Laird and Rubin 1977). They never become narrower.
+Where the positions or the pose are further off than the given priors say, the priors widen to what the scan shows: to
+the errors that make the scan likeliest, by the EM algorithm (Dempster, Laird and Rubin 1977). They never become
+narrower.
 """
 
 from __future__ import annotations
@@ -172,11 +173,11 @@ class ScanModel:
         self.pose = Pose()
         self.shift, self.turn = np.zeros(3), np.zeros(3)
         self.c, self.beta = c, prior.absorption
-        said = prior
+        given_prior = prior
         for _ in range(MAX_WIDENINGS):
             self._converge()
             # no errors of positions explain a scan of another array
-            if self.residual > MAX_RESIDUAL or not self._widen(said):
+            if self.residual > MAX_RESIDUAL or not self._widen(given_prior):
                 break
         self._weigh()
         self._compute_covariance()
@@ -186,9 +187,9 @@ class ScanModel:
         M = len(self.p)
         for _ in range(MAX_STEPS):
             self._weigh()
-            H, slope = self._normal()
-            P, pull = self._prior()
-            step = np.linalg.solve(H / self.noise**2 + P, slope / self.noise**2 - pull)
+            H, slope = self._compute_normal_equations()
+            P, prior_gradient = self._compute_prior_terms()
+            step = np.linalg.solve(H / self.noise**2 + P, slope / self.noise**2 - prior_gradient)
             self.p += step[: 3 * M].reshape(M, 3)
             self.c = float(np.clip(self.c + step[3 * M], MIN_SPEED, MAX_SPEED))
             self.beta = max(self.beta + float(step[3 * M + 1]), 0.0)
@@ -197,26 +198,27 @@ class ScanModel:
             if np.abs(step[: 3 * M]).max() < MAX_LAST_CORRECTION:
                 break
 
-    def _widen(self, said: Prior) -> bool:
-        """Set the errors of positions, shift and turn to what the scan shows, or was said; return whether they changed.
+    def _widen(self, given_prior: Prior) -> bool:
+        """Widen the errors of positions, shift and turn to what the scan shows; return whether they changed.
 
-        What the scan shows is the mean square of the corrections and of their errors.
+        What the scan shows is the mean square of the corrections and of their errors. No error becomes smaller than in
+        `given_prior`.
         """
         self._weigh()
-        H, _ = self._normal()
-        P, _ = self._prior()
+        H, _ = self._compute_normal_equations()
+        P, _ = self._compute_prior_terms()
         cov = np.linalg.inv(H / self.noise**2 + P)
         places, pose = self.D.reshape(-1, len(cov)), np.diag(cov)[-6:]
-        away = (self.positions - self.given).ravel()
+        corrections = (self.positions - self.given).ravel()
         squares = (
-            away**2 + np.einsum("ip,ip->i", places @ cov, places),
+            corrections**2 + np.einsum("ip,ip->i", places @ cov, places),
             self.shift**2 + pose[:3],
             self.turn**2 + pose[3:],
         )
         shown = np.sqrt([np.mean(square) for square in squares])
-        position, shift, turn = np.maximum(shown, said.widths).tolist()
+        position, shift, turn = np.maximum(shown, given_prior.widths).tolist()
         before = self.prior.widths
-        self.prior = replace(said, position=position, shift=shift, turn=turn)
+        self.prior = replace(given_prior, position=position, shift=shift, turn=turn)
         return not np.allclose(self.prior.widths, before, rtol=MIN_WIDENING, atol=0.0)
 
     @property
@@ -228,7 +230,9 @@ class ScanModel:
     def cost(self) -> float:
         """Twice the negative logarithm of the likelihood, apart from a constant."""
         widths = float(np.array([len(self.p), 1, 1]) @ np.log(self.prior.widths))
-        return 4.0 * float(self.read.sum()) * math.log(self.noise) + self.surprise + 6.0 * widths
+        return (
+            4.0 * float(self.read.sum()) * math.log(self.noise) + self.prior_penalty + 6.0 * widths
+        )
 
     @property
     def factors(self) -> Complexes:
@@ -273,13 +277,13 @@ class ScanModel:
         F = B * self._respond(B)
         count = np.maximum(self.read.sum(axis=0), 1)  # readings of each transducer
         spent = np.sqrt(np.maximum(1.0 - 1.0 / count, 0.25))  # its response uses up one
-        self.away = np.abs(self.X - F) / spent
-        self.noise = max(float(np.median(self.away[self.read])) / MEDIAN, MIN_NOISE)
-        self.W = self.read / (1.0 + (self.away / (CAUCHY_SCALE * self.noise)) ** 2)
+        self.residuals = np.abs(self.X - F) / spent
+        self.noise = max(float(np.median(self.residuals[self.read])) / MEDIAN, MIN_NOISE)
+        self.W = self.read / (1.0 + (self.residuals / (CAUCHY_SCALE * self.noise)) ** 2)
         self.s = self._respond(B)
         self.F = B * self.s
 
-    def _normal(self) -> tuple[Floats, Floats]:
+    def _compute_normal_equations(self) -> tuple[Floats, Floats]:
         """Return the normal equations, responses eliminated: (P, P), (P,), with P parameters."""
         M, N = self.X.shape
         T, size, P = self.T, np.abs(self.s) ** 2, self.own.stop + 6
@@ -298,7 +302,7 @@ class ScanModel:
         G = (T.conj() * (self.W * self.F.conj() * (self.X - self.F))).real.sum(axis=2)
         return H, np.r_[G[:3].T.ravel(), G[3:].sum(axis=1), np.zeros(6)]
 
-    def _prior(self) -> tuple[Floats, Floats]:
+    def _compute_prior_terms(self) -> tuple[Floats, Floats]:
         """Return the curvature and slope of the priors: (P, P), (P,), with P parameters."""
         M, R = len(self.p), self.pose.matrix
         D = np.zeros((M, 3, self.own.stop + 6))  # d T(p_m)
@@ -308,32 +312,34 @@ class ScanModel:
         D[:, :, -3:] = -_cross_matrix((self.p - self.array.centre) @ R.T)
         self.D = D
         flat, error = D.reshape(3 * M, -1), self.prior.position
-        away = (self.positions - self.given).ravel()
-        P, pull = flat.T @ flat / error**2, flat.T @ away / error**2
+        corrections = (self.positions - self.given).ravel()
+        P, prior_gradient = flat.T @ flat / error**2, flat.T @ corrections / error**2
         speed = SPEED if self.prior.speed is None else self.prior.speed
         weight = self.prior.shared**-2.0
         shared = np.r_[self.c - speed, self.beta - self.prior.absorption, self.shift, self.turn]
         logs = self.logs[1:].view(np.float64) / FACTOR_ERROR
-        self.surprise = float(away @ away) / error**2 + float(weight @ shared**2 + logs @ logs)
+        self.prior_penalty = float(corrections @ corrections) / error**2 + float(
+            weight @ shared**2 + logs @ logs
+        )
         P[self.shared, self.shared] += weight
-        pull[self.shared] += weight * shared
+        prior_gradient[self.shared] += weight * shared
         ratios = np.arange(3 * M + 2, self.own.stop)
         P[ratios, ratios] += FACTOR_ERROR**-2.0
-        pull[ratios] += logs / FACTOR_ERROR
-        return P, pull
+        prior_gradient[ratios] += logs / FACTOR_ERROR
+        return P, prior_gradient
 
     def _compute_covariance(self) -> None:
         """Compute `cov`, (P, P), and correct the noise for the degrees of freedom that the fit uses up."""
-        H, _ = self._normal()
-        P, _ = self._prior()
+        H, _ = self._compute_normal_equations()
+        P, _ = self._compute_prior_terms()
         weights = self.W[self.read]
         full = H / weights.mean()
         free = 2.0 * float(np.maximum(self.read.sum(axis=0) - 1, 0).sum())
         used = float(np.trace(np.linalg.solve(full / self.noise**2 + P, full / self.noise**2)))
         self.noise *= math.sqrt(max(free, 1.0) / max(free - used, 0.25 * free, 1.0))
-        away = self.away[self.read] / self.noise
+        residuals = self.residuals[self.read] / self.noise
         bend = float(np.mean(weights**2))  # mean curvature of the loss
-        spread = float(np.mean((weights * away) ** 2)) / 2.0  # mean square of its slope
+        spread = float(np.mean((weights * residuals) ** 2)) / 2.0  # mean square of its slope
         A, V = bend * full / self.noise**2 + P, spread * full / self.noise**2 + P
         inverse = np.linalg.inv(A)
         self.cov = inverse @ V @ inverse

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Gains, Levels, Singles
 
 
-MAX_RATE = 1e6  # frame rate [Hz]
+MAX_RATE = 1e6  # rows per second [Hz]
 MAX_LEVELS = 1 << 16  # levels of phase or amplitude
 # precision of amplitudes, relative to full drive; levels of a table are at least this far apart
 MIN_STEP = 2.0**-24
@@ -33,9 +33,10 @@ class Capability:
     """The capabilities of a device.
 
     phases: number of phase levels. amplitudes: number of levels if their sound pressures are evenly spaced; otherwise
-    the sound pressure of each level, ascending from 0 to 1, in single precision. rate: frames that the device plays
-    per second [Hz]; each tick of the loop sends one row for each frame period that it lasts. watchdog: time after the
-    last frame until the device falls silent by itself [s]; None if it does not.
+    the sound pressure of each level, ascending from 0 to 1, in single precision. rate: rows that the device plays per
+    second [Hz]; each tick of the loop sends a frame with one row for each row period that the tick lasts. watchdog:
+    positive time after the last frame until the device falls silent by itself [s]; None if it does not. The numbers are
+    stored as plain int and float. Raises ArgumentError.
     """
 
     phases: int = 256
@@ -50,7 +51,10 @@ class Capability:
         else:
             amplitudes = _count("amplitudes", self.amplitudes)
         object.__setattr__(self, "amplitudes", amplitudes)
-        check_number("rate", self.rate, low=1.0, high=MAX_RATE)
+        object.__setattr__(self, "rate", check_number("rate", self.rate, low=1.0, high=MAX_RATE))
+        if self.watchdog is not None:
+            watchdog = check_number("watchdog", self.watchdog, low=0.0, above=True)
+            object.__setattr__(self, "watchdog", watchdog)
 
     def __str__(self) -> str:
         kind = "" if self.uniform else "uneven "

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, cast
 
 from pacinian.errors import describe_error
 from pacinian.plugins.backend import FoundDevice
+from pacinian.plugins.registry import describe_plugin_error
 
 if TYPE_CHECKING:
     from pacinian.plugins.backend import Backend
@@ -46,6 +47,6 @@ def list_connected(plugins: Plugins, backend: str = "") -> list[FoundDevice]:
 def _ask(backend: type[Backend]) -> list[FoundDevice]:
     try:
         return sorted(backend.find_devices(), key=lambda f: f.serial)
-    except Exception as error:  # one failing plug-in must not hide the devices of the others
-        problem = f"this backend cannot look for its devices: {describe_error(error)}"
+    except (Exception, SystemExit) as error:  # it must not hide the devices of the others
+        problem = f"this backend cannot look for its devices: {describe_plugin_error(error)}"
         return [FoundDevice(backend.name, "", "", problem)]

@@ -24,7 +24,7 @@ from pacinian.errors import (
 )
 from pacinian.notebook import MAX_ROWS, Card, card
 from pacinian.plugins import hookspecs
-from pacinian.plugins.backend import Backend
+from pacinian.plugins.backend import Backend, Capability
 from pacinian.plugins.hookspecs import CommandGroup
 from pacinian.plugins.solver import Solver
 
@@ -119,7 +119,7 @@ class Plugins:
                 offers, commands = self._read(point)
             except (Exception, SystemExit) as error:
                 self.failed[point.name] = PluginError(
-                    f"plug-in {point.name!r} ({_origin(point)}) does not load: {describe_error(error)}"
+                    f"plug-in {point.name!r} ({_origin(point)}) does not load: {describe_plugin_error(error)}"
                 )
                 self.failed[point.name].__cause__ = error
                 continue
@@ -214,8 +214,31 @@ class Plugins:
             return offer.cls(**options)
         except PacinianError:
             raise
-        except Exception as error:
-            raise PluginError(f"{kind} {name!r} cannot be made: {describe_error(error)}") from error
+        except (Exception, SystemExit) as error:
+            problem = f"{kind} {name!r} cannot be made: {describe_plugin_error(error)}"
+            raise PluginError(problem) from error
+
+
+def read_capability(backend: Backend) -> Capability:
+    """Return the capability of a backend. Raises PluginError if it is not one, or if the backend cannot tell it."""
+    try:
+        found = cast("object", backend.capability)  # a plug-in may return anything
+    except PacinianError:
+        raise
+    except (Exception, SystemExit) as error:
+        problem = f"backend {backend.name!r} has no capability: {describe_plugin_error(error)}"
+        raise PluginError(problem) from error
+    if not isinstance(found, Capability):
+        problem = f"must be a pacinian.Capability, not {shorten(repr(found))}"
+        raise PluginError(f"backend {backend.name!r}: `capability` {problem}")
+    return found
+
+
+def describe_plugin_error(error: BaseException) -> str:
+    """Return the text of an error that a plug-in raised, as `describe_error`. Name the remedy for SystemExit."""
+    if isinstance(error, SystemExit):
+        return f"{describe_error(error)}; a plug-in must not end the program: update it, or uninstall it"
+    return describe_error(error)
 
 
 def _group_commands(given: Any) -> Iterable[tuple[CommandGroup, Iterable[Any]]]:

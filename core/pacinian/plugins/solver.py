@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, ClassVar, NamedTuple, TypeAlias, cast
 
@@ -21,9 +22,10 @@ class Result(NamedTuple):
 
     iterations: number of iterations. limited: whether transducers are held at their limit. late: whether the budget
     stopped the solver. bound, objective, multipliers, mu: as in `Solution`; without mu, bound and objective do not
-    count, because the session cannot check them. quiet_weight: weight of the points beside regions (`Targets.beside`)
-    in the bound and the objective. note: free text. solver: name of the solver to which this one delegated the problem.
-    unproven: with `scale="max"`, whether the answer may be weaker than the strongest one for its phases.
+    count, because the session cannot check them. The multipliers are an array of any numeric type. mu: finite and at
+    least 0; NaN for none. quiet_weight: weight of the points beside regions (`Targets.beside`) in the bound and the
+    objective. note: free text. solver: name of the solver to which this one delegated the problem. unproven: with
+    `scale="max"`, whether the answer may be weaker than the strongest one for its phases.
     """
 
     iterations: int = 0
@@ -38,17 +40,30 @@ class Result(NamedTuple):
     solver: str = ""
     unproven: bool = False
 
-    def check(self, solver: str, samples: int) -> None:
-        """Check the types of all fields, and the shape of the multipliers, (samples,). Raises PluginError."""
+    def check(self, solver: str, samples: int) -> Result:
+        """Check all fields. Return the result with its multipliers, (samples,), as the kernels need them.
+
+        They are then contiguous, aligned and complex128. solver: its name, for errors. Raises PluginError.
+        """
         wrong = f"solver {solver!r} returned a wrong result:"
         values = cast("tuple[object, ...]", self)  # a plug-in may have put anything there
-        for field, (word, kinds), value in zip(self._fields, _FIELD_KINDS, values, strict=True):
-            if not isinstance(value, kinds):
+        for field, kind, value in zip(self._fields, _FIELD_KINDS, values, strict=True):
+            word, types = kind
+            if not isinstance(value, types):
                 raise PluginError(f"{wrong} `{field}` must be {word}, not {shorten(repr(value))}")
+            if kind is _NUMBER and not _fits_float(value):
+                raise PluginError(f"{wrong} `{field}` must be a number that a float can hold")
+        if self.mu < 0.0 or math.isinf(self.mu):
+            problem = f"must be finite and at least 0, or NaN for none, not {self.mu}"
+            raise PluginError(f"{wrong} `mu` {problem}")
         y = self.multipliers
-        if y is not None and (y.shape != (samples,) or y.dtype.kind not in "iufc"):
+        if y is None:
+            return self
+        if y.shape != (samples,) or y.dtype.kind not in "iufc":
             problem = f"must be {samples} numbers, not {y.dtype} of shape {y.shape}"
             raise PluginError(f"{wrong} `multipliers` {problem}")
+        multipliers = np.require(y, np.complex128, ["C", "A", "E"])
+        return self if multipliers is y else self._replace(multipliers=multipliers)
 
 
 _Kind: TypeAlias = tuple[str, tuple[type, ...]]
@@ -61,6 +76,15 @@ _TEXT: _Kind = "a text", (str,)
 _FIELD_KINDS = (
     _COUNT, _FLAG, _FLAG, _NUMBER, _NUMBER, _ARRAY, _NUMBER, _NUMBER, _TEXT, _TEXT, _FLAG,
 )  # fmt: skip
+
+
+def _fits_float(value: object) -> bool:
+    """Return whether a number can be converted to a float; a whole number can be too large for that."""
+    try:
+        float(cast("float", value))
+    except OverflowError:
+        return False
+    return True
 
 
 class Solver(ABC):

@@ -2,20 +2,23 @@
 
 The loop
     renderer.py               the API: `Renderer`, its options and defaults; a tick never raises
-    pipeline.py               one tick: starts solves in it or beside it, takes their results; deadline of a solve
+    pipeline.py               one tick: starts solves in it or in the background, and takes their results
     tick_pacing.py            when ticks are due, and which are skipped when the loop is late
     clock.py                  the clock, which tests replace
     warmup.py                 what is loaded and tried before the first tick
+    skin_loader.py            builds the skin of a hand of a new kind, while the output is silent
     realtime_section.py       garbage collection and thread switches, kept from delaying ticks
     fail_safe_output.py       an exception in a tick (scene, solver, backend) is reported, and silences until a reset
     scene_renderer.py         a renderer from a scene file
 Solve
+    scene_solver.py           samples a scene and solves for it: the job of a tick, or in the background
+    solve_deadline.py         how long a solve may take
     sample_solver.py          solves for samples; reuses solutions while nothing moves
     steered_solver.py         one object that moves in free air: when to solve for it again, when to steer its field
     cached_solution.py        a solution as it is kept, and whether it needs another solve
     solution_sequence.py      what the ticks play: solutions of a cycle or a modulation; how a solve hands it to them
-    background_schedule.py    solve in the ticks or beside them; how often; over how many ticks a change is spread
-    background_solve.py       the thread that solves beside the ticks
+    background_schedule.py    solve in the ticks or in the background; how often; over how many ticks a change is spread
+    background_solve.py       the thread that solves in the background
     sample_budget_controller.py   how many samples there may be when time is short
     reachability.py           samples that sound reaches: in front of the array, not hidden, skin not turned away
     reachability.hpp          sound power that reaches a place, from a grid of cells: called by reachability.py
@@ -39,7 +42,7 @@ What is reported
     deviation_log.py          what was left out or changed, by object and reason, over time
     frame_deviations.py       what one frame leaves out or changes
     scene_warnings.py         what to warn about before a run
-    felt_monitor.py           keeps what some ticks have emitted, and measures it beside the ticks
+    felt_monitor.py           keeps what some ticks have emitted, and measures it in the background
     measurement_schedule.py   when the emitted field is measured
     emitted_measurement.py    the emitted field between the samples, and on touched skin
     audibility.py             how audible the frames are

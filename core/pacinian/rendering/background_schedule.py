@@ -1,6 +1,6 @@
 """Decide whether solves run in the ticks, or in the background, and when a solve in the background begins.
 
-In the background means beside the ticks: in a thread of its own.
+In the background means in a thread of its own, while the ticks go on.
 """
 
 from __future__ import annotations
@@ -50,13 +50,13 @@ class BackgroundSchedule:
 
     It counts ticks that were long, and solves in the background that would have fitted into a tick.
 
-    period: period of the ticks [s]. beside: whether solves run in the background. ticks: expected duration of the next
-    solve [ticks]. interval: expected time from one solution to the next [ticks]. Both are medians of recent solves.
+    period: period of the ticks [s]. in_background: whether solves run there. ticks: expected duration of the next solve
+    [ticks]. interval: expected time from one solution to the next [ticks]. Both are medians of recent solves.
     rests: whether the last solve has changed nothing, and nothing in the scene moves by itself.
     """
 
     period: float
-    beside: bool = False
+    in_background: bool = False
     ticks: int = 1
     interval: int = 1
     rests: bool = False
@@ -107,13 +107,13 @@ class BackgroundSchedule:
 
     def note_tick(self, seconds: float) -> None:
         """Take account of a tick that took `seconds` [s] and has solved."""
-        if self.beside:
+        if self.in_background:
             return
         far = seconds > FAR_TOO_LONG * self.period
         self._long.append(seconds > LONG_SHARE * self.period)
         if sum(self._long) >= MIN_LONG_TICKS or (far and self._far):
             self._long.clear()
-            self.beside, far = True, False
+            self.in_background, far = True, False
         self._far = far
 
     def note_solve(self, seconds: float, whole: bool = True) -> None:
@@ -123,7 +123,7 @@ class BackgroundSchedule:
         self.ticks = min(max(1, math.ceil(median(self._seconds) / self.period)), self.max_ticks)
         self._fits = self._fits + 1 if fits else max(0, self._fits - PENALTY)
         if self._fits >= self._wait:
-            self.beside, self.ticks, self.interval = False, 1, 1
+            self.in_background, self.ticks, self.interval = False, 1, 1
             self._seconds.clear()
             self._intervals.clear()
             self._fits, self._wait = 0, min(2 * self._wait, MAX_FITTING)

@@ -20,7 +20,7 @@ class CachedSolution:
     """Gains for a set of samples.
 
     gains: at full envelope, (N,). groups: the samples' groups by envelope; None if the gains contain the envelopes.
-    parts: contribution of each group, (groups + 1, N), if there is more than one. solution: with its evidence. samples:
+    contributions: of each group, (groups + 1, N), if there is more than one. solution: with its evidence. samples:
     those solved for. steady: whether it is valid unchanged until another solve. final: whether solving again would not
     help, because the solver had enough time. failed_improvements: number of successive solves that were not better.
     averaged: whether envelopes that vary were replaced by their means. whole: all samples, including those that were
@@ -34,7 +34,7 @@ class CachedSolution:
 
     gains: Gains
     groups: EnvelopeGroups | None
-    parts: Gains | None
+    contributions: Gains | None
     solution: Solution
     samples: Samples
     steady: bool
@@ -62,4 +62,4 @@ class CachedSolution:
     @property
     def nbytes(self) -> int:
         """Size of its gains [bytes]."""
-        return self.gains.nbytes + (0 if self.parts is None else self.parts.nbytes)
+        return self.gains.nbytes + (0 if self.contributions is None else self.contributions.nbytes)

@@ -36,7 +36,7 @@ def group_amplitudes(solved: CachedSolution, t: Floats, switches: bool) -> Singl
 
 def mean_amplitude(solved: CachedSolution, a: Singles) -> Singles:
     """Return the power-weighted root mean square of the groups' amplitudes a, (V, K), shape (K,)."""
-    if solved.parts is None:
+    if solved.contributions is None:
         only: Singles = a[0]
         return only
     assert solved.groups is not None
@@ -57,10 +57,10 @@ class Source:
     ) -> None:
         a = group_amplitudes(solved, t, switches)
         self.mean = mean_amplitude(solved, a)
-        if solved.parts is None:
-            self.parts, self.a = solved.gains[None], a[:1]  # one group, or no sample
+        if solved.contributions is None:
+            self.contributions, self.a = solved.gains[None], a[:1]  # one group, or no sample
         else:
-            self.parts, self.a = solved.parts, np.vstack([a, self.mean])
+            self.contributions, self.a = solved.contributions, np.vstack([a, self.mean])
         self.share = share
         g = solved.gains
         turn = share * (s @ g.conj()) / max(float(np.vdot(g, g).real), MIN_POWER)
@@ -76,7 +76,7 @@ def mix(sources: Sequence[Source], s: Gains) -> Gains:
     """
     # similar parts need double precision, or rounding decides
     exact = any(one.share.any() for one in sources[1:])
-    parts = np.concatenate([one.parts for one in sources])
+    parts = np.concatenate([one.contributions for one in sources])
     parts = parts.astype(np.complex128 if exact else np.complex64, copy=False)
     c = np.concatenate([one.expected for one in sources]).astype(parts.dtype)  # (V, K)
     power = parts.conj() @ parts.T

@@ -1,4 +1,4 @@
-"""Measure now and then, beside the ticks, what is felt of the field that the ticks emit."""
+"""Measure now and then, in the background, what is felt of the field that the ticks emit."""
 
 from __future__ import annotations
 

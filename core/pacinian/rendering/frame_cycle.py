@@ -56,7 +56,7 @@ MAX_LATE_TRIES = 3
 
 
 @dataclass
-class Part:
+class CycleFrame:
     """One frame of a cycle, with its session.
 
     session: has the points and the last solution of this frame. reach: its reachability filter. solved: the solution
@@ -101,14 +101,14 @@ class Cycle:
         """Largest number of samples in each band, if bands can achieve this. The loop sets it to the sampler's."""
         self.coarsens = True
         """Whether a region may have fewer samples than its spacing asks for; the loop sets this."""
-        self._first = Part(session, ReachabilityFilter(session.propagator))
+        self._first = CycleFrame(session, ReachabilityFilter(session.propagator))
         self.reset()
 
     def reset(self) -> None:
         """Discard all solutions."""
         self._first.solved, self._first.last_solve_number = None, 0
         self._first.forget_target()
-        self.parts = [self._first]
+        self.frames = [self._first]
         self._wanted = 1  # most frames for these samples
         self._late, self._hurried, self._moved, self._given_up = 0.0, False, False, False
         self._again = math.inf  # time from which samples given up get another chance [s]
@@ -123,7 +123,7 @@ class Cycle:
     @property
     def count(self) -> int:
         """Number of frames in the cycle; 1 if each frame renders all samples."""
-        return len(self.parts)
+        return len(self.frames)
 
     @property
     def hurried(self) -> bool:
@@ -147,8 +147,8 @@ class Cycle:
         most = self._wanted = min(self.allowed, self.most if most is None else most) if solid else 1
         self._moved, self._given_up = True, False
         if not np.array_equal(samples.keys, self.samples.keys):
-            for part in self.parts:
-                part.forget_target()
+            for frame in self.frames:
+                frame.forget_target()
         self.samples, self.asked = samples, samples.radiation_pressure.copy()
         self._on_skin = samples.capsules is not None
         self._shares = self._bands.shares(samples, self.budget, min(most, self.max_bands))
@@ -178,7 +178,7 @@ class Cycle:
             self._hurried = self._late > (
                 RECOVERED_LATE_SHARE if self._hurried else ONE_FRAME_LATE_SHARE
             )
-        settled = self._banded and all(part.tries > 1 for part in self.parts)
+        settled = self._banded and all(frame.tries > 1 for frame in self.frames)
         if settled and self.coarsens and not self._on_skin:
             self._overdriven = self._overdriven or solution.saturation > MAX_BAND_SATURATION
         elif not self._banded and solution.saturation < BANDS_AGAIN_BELOW:
@@ -191,93 +191,101 @@ class Cycle:
             self._arrange()
 
     def _arrange(self) -> None:
-        """Make one part for each frame, with its tilt, and mark all for solving."""
+        """Make a `CycleFrame` for each frame, with its tilt, and mark all for solving."""
         M, count = self._shares.shape
         if not self._banded:
             count = len(TILTS) if self._tilted else 1
             self._shares = np.full((M, count), 1.0 / count)
         first = self._first.session
-        if count != len(self.parts):
-            for part in self.parts:
-                part.forget_target()
-        if count < len(self.parts):
-            last = max(self.parts, key=lambda part: part.last_solve_number)
+        if count != len(self.frames):
+            for frame in self.frames:
+                frame.forget_target()
+        if count < len(self.frames):
+            last = max(self.frames, key=lambda frame: frame.last_solve_number)
             self._first.solved = last.solved  # until it is solved again
-            del self.parts[count:]
-        while len(self.parts) < count:
+            del self.frames[count:]
+        while len(self.frames) < count:
             session = Session(first.array, first.medium, first.solver, clock=first.clock)
             session.note = first.note
             session.propagator.work = first.propagator.work
-            self.parts.append(Part(session, ReachabilityFilter(session.propagator)))
-        for part, tilt in zip(self.parts, TILTS if self._tilted else (0.0,) * count, strict=True):
-            part.rounds = part.tries = 0
-            part.session.tilt = tilt
+            self.frames.append(CycleFrame(session, ReachabilityFilter(session.propagator)))
+        for frame, tilt in zip(self.frames, TILTS if self._tilted else (0.0,) * count, strict=True):
+            frame.rounds = frame.tries = 0
+            frame.session.tilt = tilt
             # A band makes only a part of some samples. Corrections would raise these, and phases would relax for them.
-            part.session.refines = not self._banded
+            frame.session.refines = not self._banded
 
-    def due(self, t: float, rounds: int = MAX_ROUNDS) -> Part | None:
-        """Return the part to solve at time t [s], which is the one solved least recently; None if there is none.
+    def due(self, t: float, rounds: int = MAX_ROUNDS) -> CycleFrame | None:
+        """Return the frame to solve for at time t [s], which is the one solved least recently; None if there is none.
 
-        rounds: number of complete solves of a part that are enough.
+        rounds: number of complete solves of a frame that are enough.
         """
         open_ = [
-            part
-            for part in self.parts
-            if part.rounds < rounds and (part.tries < MAX_TRIES or t >= part.retry)
+            frame
+            for frame in self.frames
+            if frame.rounds < rounds and (frame.tries < MAX_TRIES or t >= frame.retry)
         ]
-        return min(open_, key=lambda part: part.last_solve_number) if open_ else None
+        return min(open_, key=lambda frame: frame.last_solve_number) if open_ else None
 
-    def sounds(self, part: Part) -> Flags:
-        """Return whether each sample sounds in this part, (M,)."""
-        return self._shares[:, self.parts.index(part)] > 0.0
+    def sounds(self, frame: CycleFrame) -> Flags:
+        """Return whether each sample sounds in this frame, (M,)."""
+        return self._shares[:, self.frames.index(frame)] > 0.0
 
-    def sum_others(self, part: Part, own: Flags, P: Floats, facing: SkinFacing | None) -> Floats:
+    def sum_others(
+        self, frame: CycleFrame, own: Flags, P: Floats, facing: SkinFacing | None
+    ) -> Floats:
         """Return the sum of what the other frames make at one frame's own samples, (M',) [Pa].
 
         own: mask of these samples, (M,). P: target of the whole cycle there, (M',) [Pa].
         """
         self.asked[own] = P
         q = self.samples.positions[own]
-        part.session.propagator.set_points(q, facing)
+        frame.session.propagator.set_points(q, facing)
         others = np.zeros(len(q))
-        for share, other in zip(self._shares[own].T, self.parts, strict=True):
-            if other is part:
+        for share, other in zip(self._shares[own].T, self.frames, strict=True):
+            if other is frame:
                 continue
             solved = other.solved
             if solved is None:
                 others += self.count * share * P
             else:
-                p = part.session.propagator.apply(solved.gains)
-                others += radiation_pressure(p, part.session.medium)
+                p = frame.session.propagator.apply(solved.gains)
+                others += radiation_pressure(p, frame.session.medium)
         return others
 
-    def find_remaining_target(self, part: Part, own: Flags, P: Floats, others: Floats) -> Floats:
+    def find_remaining_target(
+        self, frame: CycleFrame, own: Flags, P: Floats, others: Floats
+    ) -> Floats:
         """Return the target of one frame at its own samples, (M',) [Pa]: what the other frames do not make.
 
-        own, P: as for `sum_others`. others: its result. If another frame had no time to come near its target, the
-        target is that of the last solve. Otherwise, this frame would follow the errors of the other one, and never
+        own, P: as for `sum_others`. others: its result. If another frame ran out of time, this
+        frame keeps the target of its own last solve. Otherwise, it would follow the errors of the other one, and never
         settle.
         """
-        nominal = self.count * self._shares[own, self.parts.index(part)] * P
-        if not np.array_equal(own, part.own):
-            part.own, part.relative_target = own, np.ones(len(P))
+        nominal = self.count * self._shares[own, self.frames.index(frame)] * P
+        if not np.array_equal(own, frame.own):
+            frame.own, frame.relative_target = own, np.ones(len(P))
         in_time = (
             one.solved is not None and not one.solved.ran_out_of_time
-            for one in self.parts
-            if one is not part
+            for one in self.frames
+            if one is not frame
         )
         if all(in_time):
             remaining = (self.count * P - others) / np.maximum(nominal, MIN_PRESSURE)
-            part.relative_target = np.clip(remaining, MIN_SHARE, MAX_SHARE)
-        return np.asarray(np.minimum(part.relative_target * nominal, np.maximum(self.peak, P)))
+            frame.relative_target = np.clip(remaining, MIN_SHARE, MAX_SHARE)
+        return np.asarray(np.minimum(frame.relative_target * nominal, np.maximum(self.peak, P)))
 
-    def keep(self, part: Part, solved: CachedSolution, t: float) -> None:
-        """Store the new solution of a part, made at time t [s]."""
+    def keep(self, frame: CycleFrame, solved: CachedSolution, t: float) -> None:
+        """Store the new solution of a frame, made at time t [s]."""
         self._solve_number += 1
-        part.solved, part.last_solve_number, part.tries = solved, self._solve_number, part.tries + 1
-        part.rounds += solved.final
-        part.retry = t + RETRY_INTERVAL
-        if self._tilted and not part.rounds and part.tries == MAX_LATE_TRIES:
+        frame.solved, frame.last_solve_number, frame.tries = (
+            solved,
+            self._solve_number,
+            frame.tries + 1,
+        )
+        frame.rounds += solved.final
+        frame.retry = t + RETRY_INTERVAL
+        if self._tilted and not frame.rounds and frame.tries == MAX_LATE_TRIES:
             self._given_up, self._tilted, self._wanted = True, False, 1
             self._again = t + TRY_AGAIN_AFTER
             self._arrange()
@@ -292,21 +300,21 @@ class Cycle:
             self.consider(solved)
 
     @property
-    def frames(self) -> tuple[CachedSolution, ...]:
+    def solutions(self) -> tuple[CachedSolution, ...]:
         """What the frames play, in their order. One that is not solved yet plays what another one does."""
-        solved = [part.solved for part in self.parts]
+        solved = [frame.solved for frame in self.frames]
         first = next((one for one in solved if one is not None), None)
         return tuple(one or first for one in solved) if first is not None else ()
 
     @property
     def complete(self) -> bool:
         """Whether all frames are solved."""
-        return all(part.solved is not None for part in self.parts)
+        return all(frame.solved is not None for frame in self.frames)
 
 
 def split_frames(most: int, rate: float) -> int:
     """Return the largest number of frames in a cycle, at most `most`, so that each repeats at 500 Hz or more.
 
-    rate: of the device, frames per second [Hz].
+    rate: of the device, rows per second [Hz].
     """
     return max(1, min(most, int(rate / MIN_REPETITION_RATE)))

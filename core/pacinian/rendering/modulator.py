@@ -140,20 +140,20 @@ class Modulator:
     def _mix(self, one: CachedSolution, own: slice, t: Floats, s: Gains) -> Gains:
         """Apply envelopes to the smooth gains s, (K, N), of one solution's rows `own` of this tick, at times t [s]."""
         past = self._fade.shares(self._row + own.start, own)
-        if not past and one.parts is None:
+        if not past and one.contributions is None:
             return np.asarray(group_amplitudes(one, t, self.switches)[0][:, None] * s)
         share = 1.0 - sum((share for _, share in past), np.zeros(len(t)))
         return mix([Source(x, w, t, s, self.switches) for x, w in [(one, share), *past]], s)
 
     def _write_steady(self, one: CachedSolution, a: Singles) -> None:
         """Write the rows while nothing fades. a: amplitudes of the groups, (V, K)."""
-        if one.parts is None:
+        if one.contributions is None:
             np.multiply(a[0][:, None], self._smooth, out=self._rows)
             return
         g = one.gains
         turn = np.vdot(g, self._smooth[0]) / max(float(np.vdot(g, g).real), MIN_POWER)
         a = np.vstack([a, mean_amplitude(one, a)])
-        np.matmul((turn * a.T).astype(np.complex64), one.parts, out=self._rows)
+        np.matmul((turn * a.T).astype(np.complex64), one.contributions, out=self._rows)
 
     def _follow(self, solved: list[CachedSolution], play: SolutionSequence, ticks: int) -> None:
         carriers = self._carriers[: len(solved)]

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from pacinian.types import Floats
 
 FORMAT = "pacinian recording"
-VERSION = 4
+VERSION = 5
 MAX_MAP_BYTES = 1 << 28  # largest size of one map [bytes]
 MAX_NORMAL_ERROR = 1e-6  # largest deviation of the length of a normal from 1
 MAX_TIME = 1e12  # largest plausible time of a tick [s]

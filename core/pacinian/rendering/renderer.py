@@ -28,8 +28,10 @@ from pacinian.rendering.report import Report, StageTimer
 from pacinian.rendering.row_times import describe_mismatch
 from pacinian.rendering.scene_log import TickInput, TickOutcome
 from pacinian.rendering.scene_warnings import find_warnings
+from pacinian.rendering.skin_loader import SkinLoader, takes_long
 from pacinian.rendering.smoothing import Smoothing
 from pacinian.rendering.tick_pacing import MAX_LAG, pace
+from pacinian.scene.hands.hand import Hand
 from pacinian.scene.sampling.ramps import RAMP_TIME
 from pacinian.scene.sampling.sample_counts import label_object
 from pacinian.scene.sampling.sampler import Sampler
@@ -74,14 +76,18 @@ class Renderer(Closeable):
     limit from row to row. clock: can be replaced in tests. recorder: records every tick; it is closed with the
     renderer.
 
+    The first hand of a kind (of joints, or a mesh of given faces) may need up to some seconds, in which the output is
+    silent; not if it is in the first scene, nor for hands of joints if `scene` is a function.
+
     Envelopes are evaluated at the device's rate. If a limit couples all gains (power, quiet points, exact samples) and
     objects have different envelopes, each envelope is replaced by its mean over the tick. With quiet zones, a row
     whose gains would exceed their limit is scaled down as a whole.
 
-    Every tick sends a frame. adaptive: if ticks would be late, sampling and solving run in a thread beside them. Frames
-    then stay on time, and move evenly from one solution to the next. In a scene without regions, if a solve takes more
-    than 4 ms (or a longer tick), the samples of the lowest priority are dropped until there is time again. If not
-    adaptive, solves take the time that they need, contacts with skin have more samples, and ticks may be late.
+    Every tick sends a frame. adaptive: if ticks would be late, sampling and solving run in the background, in a thread
+    of their own. Frames then stay on time, and move evenly from one solution to the next. In a scene without regions,
+    if a solve takes more than 4 ms (or a longer tick), the samples of the lowest priority are dropped until there is
+    time again. If not adaptive, solves take the time that they need, contacts with skin have more samples, and ticks
+    may be late.
 
     strict: never degrade what the scene asks for. Nothing is coarsened, left out, merged or interpolated to save time,
     and solves take the time that they need. Ticks may therefore be late; the report names these by object and time. A
@@ -97,7 +103,7 @@ class Renderer(Closeable):
     mean. `peak` also limits the target of each of these frames, but never to less than the target of the whole
     cycle.
 
-    start_thread: starts the thread that solves beside the ticks: it runs a function in a new thread of the given name.
+    start_thread: starts the thread that solves in the background: it runs a function in a new thread of the given name.
 
     Use the renderer as a context manager, or call `run`, which opens and closes it. A fault, for example an exception
     in a plug-in or a lost device, silences the output until `reset`; the loop continues and counts ticks.
@@ -136,6 +142,7 @@ class Renderer(Closeable):
         self.session.note = self.job_recording_clock.note
         made = registry.backend(backend) if isinstance(backend, str) else backend
         check_kind("backend", made, Backend)
+        capability = registry.read_capability(made)
         self.limits = Limits() if limits is None else limits
         check_kind("limits", self.limits, Limits)
         self.sampler = Sampler(ramp=RAMP_TIME) if sampler is None else sampler
@@ -151,11 +158,12 @@ class Renderer(Closeable):
         self.recorder = recorder
         self._stages = StageTimer(self.clock.now, self.report)
         self._pipeline = Pipeline(
-            self.session, self.sampler, self.smoothing, made.capability, self.period, adaptive, self.max_cycle_frames,
+            self.session, self.sampler, self.smoothing, capability, self.period, adaptive, self.max_cycle_frames,
             self.peak, self._stages, self.recording_clock, self.job_recording_clock, self.strict,
             start_thread,
         )  # fmt: skip
         self._emitter = FailSafeOutput(made, self._stages)
+        self._skins = SkinLoader(limited=self.peak < math.inf)
         # Clock reading at the scene's time 0 [s]: that of `open`, then of the first tick, if `run` makes it.
         self.start = 0.0
         self._opened = False
@@ -216,7 +224,7 @@ class Renderer(Closeable):
 
     @property
     def schedule(self) -> BackgroundSchedule:
-        """Decides whether solves run beside the ticks."""
+        """Decides whether solves run in the background."""
         return self._pipeline.schedule
 
     @property
@@ -226,7 +234,7 @@ class Renderer(Closeable):
 
     @property
     def sample_solver(self) -> SampleSolver:
-        """Solves for the samples. While solves run beside the ticks, a thread uses it."""
+        """Solves for the samples. While solves run in the background, a thread uses it."""
         return self._pipeline.solver
 
     @property
@@ -253,6 +261,7 @@ class Renderer(Closeable):
             self._opened = True
             with limit_blas_threads():  # as in the ticks, which reuse what is computed here
                 first = self._pipeline.warm_up(self._scene, self.limits)
+                self._load_skins(first)
             if self.recorder is not None:
                 self.recorder.begin(self.session.array, self.backend.capability, to_config(self))
                 if first is not None:
@@ -266,6 +275,24 @@ class Renderer(Closeable):
             self._opened = self._opened or not isinstance(error, Exception)
             self.close()
             raise
+
+    def _load_skins(self, first: Scene | None) -> None:
+        """Load the skins of the first scene's hands, and that of joints if hands may come at any time."""
+        if callable(self.scene):
+            self._skins.load([Hand.open()])
+        if first is not None:
+            with suppress(PacinianError):  # of a hand; the first tick will raise and report it
+                self._skins.load(hand for hand in first.hands if not hand.lost)
+
+    def _await_skins(self, hands: Iterable[Hand]) -> None:
+        """Load the skins of new kinds of hands. The output is silent meanwhile, because that can take seconds."""
+        new = self._skins.find_new(hands)
+        if not new:
+            return
+        if self.recording_clock.note(lambda: float(takes_long(new))):
+            self._emitter.silence()
+            self.restart()
+        self._skins.load(new)
 
     def _warn(self, first: Scene | None) -> None:
         """Log and keep warnings about the first scene."""
@@ -401,7 +428,7 @@ class Renderer(Closeable):
 
     @property
     def rendered_scene(self) -> Scene:
-        """Scene of the last frame; older than the newest while solves run beside the ticks. Empty before the first."""
+        """Scene of the last frame; older than the newest while solves run in the background. Empty before the first."""
         return self._pipeline.played.scene
 
     @property
@@ -436,7 +463,7 @@ class Renderer(Closeable):
     def sample_pressures(self) -> Floats:
         """Sound pressure amplitudes at the played samples, as `compute_pressures` returns them, (M,) [Pa].
 
-        Costs less than that while solves run beside the ticks. If the field is steered, these are the pressures at the
+        Costs less than that while solves run in the background. If the field is steered, these are the pressures at the
         samples where they were solved for.
         """
         outcome, samples = self._pipeline.played, self.samples
@@ -473,6 +500,7 @@ class Renderer(Closeable):
         stages.begin("scene", self.report, begin)
         t = check_number("clock", due - self.start)
         scene = self._scene(t)
+        self._await_skins(scene.hands)
         limits, solver = self.limits, self.session.solver  # other threads may set them at any time
         frame = pipeline.frame(scene, limits, t, due, self.report.frames_sent)
         stages.enter("send")

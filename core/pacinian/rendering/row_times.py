@@ -27,7 +27,7 @@ def compute_row_times(capability: Capability, period: float) -> tuple[Floats, fl
     count = max(1, round(capability.rate / rate))  # rows per tick
     if count > MAX_ROWS:
         raise ArgumentError(
-            "rate", f"of {rate:g} Hz makes {count} frames a tick, more than {MAX_ROWS}"
+            "rate", f"of {rate:g} Hz makes {count} rows a tick, more than {MAX_ROWS}"
         )
     gap = period / count
     times: Floats = np.arange(count, dtype=np.float64) * gap
@@ -42,7 +42,7 @@ def describe_mismatch(capability: Capability, period: float) -> str | None:
     if abs(played - 1.0) < MAX_MISMATCH:
         return None
     return (
-        f"the device plays {capability.rate:g} frames a second, but the loop sends {count * rate:g}, {count} in each "
+        f"the device plays {capability.rate:g} rows a second, but the loop sends {count * rate:g}, {count} in each "
         f"tick. Vibrations may be played at {played:.3g} times their frequency. Let the device's rate be a multiple of "
         "the loop's `rate`"
     )

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from pacinian.plugins.solver import Solver
-    from pacinian.rendering.frame_cycle import Cycle, Part
+    from pacinian.rendering.frame_cycle import Cycle, CycleFrame
     from pacinian.rendering.reachability import ReachabilityFilter
     from pacinian.scene.objects import Object
     from pacinian.scene.sampling.posed_skin import PosedSkin
@@ -42,13 +42,15 @@ CACHE_BYTES = 32 << 20
 # Largest ratio of new to old error at which a late solution counts as improved.
 MAX_ERROR_RATIO = 0.99
 MISSED_BELOW = 0.9  # share of its target below which a sample counts as weaker than asked
-MAX_PAUSE = 0.033  # longest time from one solve to the next while samples move slowly [s]
+# Largest movement of samples since their last solve for which no other solve is made, a twentieth of a wavelength [m],
+# and longest time from one solve to the next while they move so slowly [s].
+MAX_UNSOLVED_MOVEMENT, MAX_PAUSE = 4e-4, 0.033
 # Number of successive solves without improvement after which the next one waits for RETRY_INTERVAL.
 MAX_TRIES = 6
 # Pause before the next solve after MAX_TRIES [s]. A busy processor may have spoilt the solves before.
 RETRY_INTERVAL = 0.25
-# Pause before regions at rest are solved without a deadline [s], and longest solve with one after which they are. The
-# solve without one takes up to five times as long, and nothing else can be solved meanwhile.
+# Pause before regions at rest are solved without a deadline [s], and longest solve with one after which they are [s].
+# The solve without one takes up to five times as long, unless the scene changes.
 REST_BEFORE_LONG_SOLVE, MAX_HURRIED_TIME = 0.1, 0.02
 
 Step = tuple[object, ...]
@@ -60,9 +62,9 @@ class SampleSolver:
 
     session: solves. times: of a tick's rows, from its start, (K,) [s]. cycle: renders regions in several frames, if
     allowed; its `peak` is the highest pressure on skin. fresh: the solutions of the last call of `solve` that are new.
-    skipped: counts samples and solves that were left out, by reason. skins: of the hands in the scene.
-    refines_at_rest: whether regions will be solved for without a deadline once they are at rest. The render loop sets
-    both.
+    skipped: counts samples and solves that were left out, by reason. skins: of the hands in the scene. spares_solves:
+    whether to solve only as often as skin needs it: samples that have hardly moved count as not moved, fields move with
+    their samples, and regions at rest will be solved for without a deadline. The render loop sets both.
     """
 
     session: Session
@@ -71,7 +73,7 @@ class SampleSolver:
     skipped: Counter[str] = field(default_factory=Counter[str])
     fresh: list[CachedSolution] = field(default_factory=list[CachedSolution], init=False)
     skins: Sequence[PosedSkin] = field(default=(), init=False)
-    refines_at_rest: bool = field(default=False, init=False)
+    spares_solves: bool = field(default=False, init=False)
 
     def __post_init__(self) -> None:
         self._skin_limit = SkinLimit(self.session)
@@ -82,14 +84,14 @@ class SampleSolver:
     @property
     def reach(self) -> ReachabilityFilter:
         """The reachability filter of the first frame."""
-        return self.cycle.parts[0].reach
+        return self.cycle.frames[0].reach
 
     def reset(self) -> None:
         """Discard all solutions."""
         self._key: tuple[object, ...] = ()
         self._samples, self._begun = no_samples(), -math.inf  # last solved for, and from when [s]
         self._steps: dict[Step, CachedSolution] = {}
-        self._parts: tuple[Samples, list[tuple[Object, Samples]]] = (no_samples(), [])
+        self._by_technique: tuple[Samples, list[tuple[Object, Samples]]] = (no_samples(), [])
         self._growth = 1.0
         # Samples of a cycle, those of them that sound can reach, and which these are, (M,).
         self._common = no_samples(), no_samples(), np.zeros(0, np.bool_)
@@ -103,18 +105,16 @@ class SampleSolver:
         self._skin_limit.reset()
 
     def solve(
-        self, samples: Samples, t: float, limits: Limits, solver: Solver, deadline: float, near: float = 0.0,
+        self, samples: Samples, t: float, limits: Limits, solver: Solver, deadline: float,
         at: float | None = None,
     ) -> SolutionSequence:  # fmt: skip
         """Return what to play for `samples` at time t [s]: the same object as before if nothing has changed.
 
-        deadline: from now [s]; may be infinite. near: distance within which samples count as not moved, for at most
-        MAX_PAUSE [m]; if it is above 0, the field of samples that move as one may be steered. at: time for which the
-        positions of the samples hold [s]; t by default.
+        deadline: from now [s]; may be infinite. at: time for which the positions of the samples hold [s]; t by default.
         """
         self.fresh = []
         kept = (limits, solver) == self._key[1:]
-        steers = near > 0.0 and self._may_steer(samples, limits)
+        steers = self.spares_solves and self._may_steer(samples, limits)
         if not (steers and kept):
             self._steered.reset()
         if steers:
@@ -130,11 +130,11 @@ class SampleSolver:
             if steered is not None:
                 self._contacts.reset()
                 return steered
-        creeps = near > 0.0 and kept and self._is_near(samples, t, near)
+        creeps = self.spares_solves and kept and self._is_near(samples, t)
         if creeps:
             samples = self._samples
         solutions = self._solve(samples, t, limits, solver, deadline, once=creeps)
-        if near > 0.0 and self._may_follow(solutions):
+        if self.spares_solves and self._may_follow(solutions):
             return self._contacts.follow(solutions, t if at is None else at)
         self._contacts.reset()
         return solutions
@@ -143,7 +143,7 @@ class SampleSolver:
         """Return whether the field of these samples may move with them: one object in free air, and no hand near it."""
         if self.skins or samples.capsules is not None or not len(samples):
             return False
-        if limits_join(limits) or limits.zones:
+        if limits.forbids_steering:
             return False
         own = samples.objects[0]
         return bool(
@@ -155,7 +155,7 @@ class SampleSolver:
     def _may_follow(self, solutions: SolutionSequence) -> bool:
         """Return whether the field of these solutions may move with their samples: contacts with skin, in one frame."""
         samples, limits = solutions.samples, solutions.limits
-        if samples.capsules is None or limits_join(limits) or limits.zones:
+        if samples.capsules is None or limits.forbids_steering:
             return False
         one = not (solutions.cycle or solutions.each or solutions.brief)
         pressed = samples.regions[samples.radiation_pressure > 0.0]
@@ -164,9 +164,9 @@ class SampleSolver:
     def _move_frames(self, centre: Floats, place: Floats) -> None:
         """Steer what the frames of the cycle play from `centre` to `place`, (3,) [m]."""
         factors = find_factors(self.session.array, self.session.medium, centre, place)
-        for part in self.cycle.parts:
-            if part.solved is not None:
-                part.solved = replace(part.solved, gains=part.solved.gains * factors)
+        for frame in self.cycle.frames:
+            if frame.solved is not None:
+                frame.solved = replace(frame.solved, gains=frame.solved.gains * factors)
 
     def _is_due(self, solutions: SolutionSequence, t: float) -> bool:
         """Return whether another solve at time t [s] may come nearer to the targets."""
@@ -197,10 +197,10 @@ class SampleSolver:
             self.skipped[NOTHING_MOVED] += 1
             return last  # a hand that moves through empty space needs no new silence
         if self._key != key:
-            self._key, self._steps, self._parts = key, {}, _parts(samples)
+            self._key, self._steps, self._by_technique = key, {}, _split_by_technique(samples)
             self._samples, self._begun = samples, t
-            self._last, self._growth = None, _growth(samples)
-            alone = bool(self._parts[1]) or limits_join(limits)
+            self._last, self._growth = None, _compute_growth(samples)
+            alone = bool(self._by_technique[1]) or limits.couples_gains
             self.cycle.begin(samples, 1 if alone else None)
         if guarded and self._last is not None:
             self.cycle.try_again(self._last.rows[0], t)
@@ -211,7 +211,7 @@ class SampleSolver:
         if last is not None and last.rows[0].needs_no_solve(t) and not last.brief:
             self.skipped[NOTHING_MOVED] += 1
             return last
-        base, parts = self._parts
+        base, parts = self._by_technique
         if not parts:
             found = self._get_or_solve((), base, t, limits, solver, deadline)
             self.cycle.consider(found)
@@ -251,12 +251,12 @@ class SampleSolver:
     ) -> CachedSolution:  # fmt: skip
         """Return the solution for `samples`, from the cache or new.
 
-        If limits couple all gains (power, quiet zones, exact samples), gains cannot be combined from those of each
+        If limits couple all gains (power, quiet points, exact samples), gains cannot be combined from those of each
         group. Then the solve uses each group's mean strength over the tick.
         """
         groups = EnvelopeGroups(samples)
         P = samples.radiation_pressure
-        joint = len(groups) > 1 and limits_join(limits)
+        joint = len(groups) > 1 and limits.couples_gains
         if joint:
             strength = groups.strength(t + self.times).mean(axis=1)
             P, step = P * strength[groups.index], (*step, strength.tobytes())
@@ -264,8 +264,8 @@ class SampleSolver:
         if kept is not None and kept.needs_no_solve(t):
             self.skipped[NOTHING_MOVED] += 1
             return kept
-        made = self._solve_part(
-            self.cycle.parts[0], samples, P, groups, joint, limits, solver, deadline,
+        made = self._solve_frame(
+            self.cycle.frames[0], samples, P, groups, joint, limits, solver, deadline,
             again=kept is not None,
         )  # fmt: skip
         better = kept is None or made.solution.error <= MAX_ERROR_RATIO * kept.solution.error
@@ -286,7 +286,7 @@ class SampleSolver:
                 awaits_rest=False,
             )
         hurried = deadline < math.inf and made.solution.seconds <= MAX_HURRIED_TIME
-        refines = self.refines_at_rest and made.final and hurried and not joint
+        refines = self.spares_solves and made.final and hurried and not joint
         if refines and (samples.regions >= 0).any():
             made = replace(made, awaits_rest=True, final=False, retry=t + REST_BEFORE_LONG_SOLVE)
         self.fresh.append(made)
@@ -295,14 +295,11 @@ class SampleSolver:
         self._steps[step] = made
         return made
 
-    def _is_near(self, samples: Samples, t: float, near: float) -> bool:
-        """Return whether the last solution is still good enough for samples that move slowly, at time t [s].
-
-        near: as in `solve`.
-        """
+    def _is_near(self, samples: Samples, t: float) -> bool:
+        """Return whether the last solution is still good enough for samples that move slowly, at time t [s]."""
         if samples is self._samples or not 0.0 <= t - self._begun < MAX_PAUSE:
             return False
-        return samples.is_near(self._samples, near)
+        return samples.is_near(self._samples, MAX_UNSOLVED_MOVEMENT)
 
     def _solve_cycle_frame(
         self, samples: Samples, t: float, limits: Limits, solver: Solver, deadline: float, *, once: bool
@@ -317,29 +314,29 @@ class SampleSolver:
             reached = np.ones(len(samples), np.bool_) if far is None else ~(far[0] | far[1])
             self._common = samples, samples if far is None else samples.only(reached), reached
             self._missed = np.zeros(len(samples), np.bool_)
-        part = cycle.due(t, 1) if once else cycle.due(t)
-        if part is None:
+        frame = cycle.due(t, 1) if once else cycle.due(t)
+        if frame is None:
             self.skipped[NOTHING_MOVED] += 1
         else:
             P, groups = samples.radiation_pressure, EnvelopeGroups(samples)
-            again = part.tries > 0
-            made = self._solve_part(
-                part, samples, P, groups, False, limits, solver, deadline, again=again
+            again = frame.tries > 0
+            made = self._solve_frame(
+                frame, samples, P, groups, False, limits, solver, deadline, again=again
             )
-            self._missed[cycle.sounds(part)] = False
+            self._missed[cycle.sounds(frame)] = False
             self._missed[list(made.missed)] = True
-            cycle.keep(part, made, t)
+            cycle.keep(frame, made, t)
             cycle.consider(made)
             self.fresh.append(made)
         _, common, reached = self._common
         return SolutionSequence(
-            samples, limits, cycle.frames, cycle=cycle.count > 1, complete=cycle.complete,
+            samples, limits, cycle.solutions, cycle=cycle.count > 1, complete=cycle.complete,
             common=common, asked=cycle.asked[reached], growth=self._growth, hurried=cycle.hurried,
             missed=tuple(np.flatnonzero(self._missed).tolist()),
         )  # fmt: skip
 
-    def _solve_part(
-        self, part: Part, samples: Samples, P: Floats, groups: EnvelopeGroups, joint: bool, limits: Limits,
+    def _solve_frame(
+        self, frame: CycleFrame, samples: Samples, P: Floats, groups: EnvelopeGroups, joint: bool, limits: Limits,
         solver: Solver, deadline: float, *, again: bool,
     ) -> CachedSolution:  # fmt: skip
         """Return a new solution for radiation pressures P, (M,) [Pa], minus the share of the cycle's other frames.
@@ -349,9 +346,9 @@ class SampleSolver:
         several, whole = self.cycle.count > 1, samples
         q = samples.positions
         sounded = (P > 0.0) | (samples.regions == BESIDE)
-        sounded &= part.reach.find_reachable(q, self.skipped)
+        sounded &= frame.reach.find_reachable(q, self.skipped)
         if several:
-            sounded &= self.cycle.sounds(part)
+            sounded &= self.cycle.sounds(frame)
         index = groups.index
         if limits.exact is not None:  # flags for the remaining samples
             exact = limits.exact_mask(len(q))[sounded] if len(q) else None
@@ -362,12 +359,12 @@ class SampleSolver:
         kept, asked = np.flatnonzero(sounded), samples.regions != BESIDE
         if samples.capsules is not None and len(q):
             facing = SkinFacing.of(samples.normals, samples.capsules)
-            share = part.reach.share(q, facing, self.skipped)
+            share = frame.reach.share(q, facing, self.skipped)
             weakened = kept[(share < WEAKENED_BELOW) & asked]
             P = P * share
-        others = self.cycle.sum_others(part, sounded, P, facing) if several else np.zeros(len(q))
-        target = self.cycle.find_remaining_target(part, sounded, P, others) if several else P
-        session = part.session
+        others = self.cycle.sum_others(frame, sounded, P, facing) if several else np.zeros(len(q))
+        target = self.cycle.find_remaining_target(frame, sounded, P, others) if several else P
+        session = frame.session
         solution = session.solve(
             q,
             sound_pressure(target, session.medium),
@@ -393,12 +390,7 @@ class SampleSolver:
         return self._skin_limit.enforce(made, self.skins, self.cycle.peak, again=again)
 
 
-def limits_join(limits: Limits) -> bool:
-    """Return whether limits couple all gains, so that these cannot be combined from the parts of groups."""
-    return limits.power is not None or bool(limits.solver_limits)
-
-
-def _parts(samples: Samples) -> tuple[Samples, list[tuple[Object, Samples]]]:
+def _split_by_technique(samples: Samples) -> tuple[Samples, list[tuple[Object, Samples]]]:
     """Return the samples of objects that sound as a whole, and separately those of each object with a technique."""
     items = samples.items
     moving = sorted(i for i in set(samples.objects.tolist()) if not items[i].technique.still)
@@ -408,7 +400,7 @@ def _parts(samples: Samples) -> tuple[Samples, list[tuple[Object, Samples]]]:
     return samples.only(~np.isin(samples.objects, moving)), parts
 
 
-def _growth(samples: Samples) -> float:
+def _compute_growth(samples: Samples) -> float:
     """Return the factor by which the gains will grow until the samples have the full pressure of their objects.
 
     They have it when their ramps have ended.

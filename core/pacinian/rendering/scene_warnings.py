@@ -72,7 +72,7 @@ def find_warnings(
         )
     if fast:
         yield (
-            f"faster than the device can play: {_name(fast)}. With {rate:.4g} frames a second, a frequency of "
+            f"faster than the device can play: {_name(fast)}. With {rate:.4g} rows a second, a frequency of "
             f"{rate / 2.0:.4g} Hz or more is played at a wrong, lower frequency (aliasing), or not at all. Use a lower "
             "frequency, or a faster device"
         )

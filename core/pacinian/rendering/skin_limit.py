@@ -116,14 +116,14 @@ class SkinLimit:
         if not skins:
             self.reset()  # a hand that comes back is evaluated at once
             return made
-        parts = made.gains[None] if made.parts is None else made.parts
-        peak = self.find_peak(parts, skins, made.samples, limit, again=again)
+        contributions = made.gains[None] if made.contributions is None else made.contributions
+        peak = self.find_peak(contributions, skins, made.samples, limit, again=again)
         if peak is None:
             return replace(made, evaluated=False, final=False, steady=False)
         return scale_down(made, limit, peak) if peak > limit else made
 
     def find_peak(
-        self, parts: Gains, skins: Sequence[PosedSkin], samples: Samples, limit: float,
+        self, contributions: Gains, skins: Sequence[PosedSkin], samples: Samples, limit: float,
         *, again: bool = False,
     ) -> float | None:  # fmt: skip
         """Return the highest radiation pressure on the skins [Pa] that gains can cause.
@@ -131,16 +131,16 @@ class SkinLimit:
         Returns 0 if it is clearly below `limit` [Pa], and None if the gains are not evaluated, because they are like
         the last ones that were. again: as for `enforce`.
 
-        parts: contributions to the gains, (V, N), each of which sounds with a factor from 0 to 1 of its own.
+        contributions: to the gains, (V, N), each of which sounds with a factor from 0 to 1 of its own.
         """
-        parts = np.ascontiguousarray(parts, np.complex64)
+        contributions = np.ascontiguousarray(contributions, np.complex64)
         asked = float(samples.radiation_pressure.max(initial=0.0))
         middle = samples.positions.mean(axis=0)
-        summary = _Summary(limit, float(np.abs(parts).sum()), asked, middle, len(skins))
+        summary = _Summary(limit, float(np.abs(contributions).sum()), asked, middle, len(skins))
         if not again and self._is_like_last(summary):
             self._passed += 1
             return None
-        peak = self._evaluate_peak(parts, skins, samples, limit)
+        peak = self._evaluate_peak(contributions, skins, samples, limit)
         self._last, self._passed = (summary if peak <= FAR_BELOW * limit else None), 0
         return peak
 
@@ -155,16 +155,20 @@ class SkinLimit:
         return same and not more and float(away @ away) < self._wavelength**2
 
     def _evaluate_peak(
-        self, parts: Gains, skins: Sequence[PosedSkin], samples: Samples, limit: float
+        self, contributions: Gains, skins: Sequence[PosedSkin], samples: Samples, limit: float
     ) -> float:
         """Return the highest radiation pressure [Pa]; 0 if the transducers' pressures cannot add up to the limit."""
         capsules = np.concatenate([np.empty((0, 8)), *(skin.capsules for skin in skins)])
         skins = [
-            skin for skin in skins if not self._is_below(parts, skin.box[:3], skin.box[3:], limit)
+            skin
+            for skin in skins
+            if not self._is_below(contributions, skin.box[:3], skin.box[3:], limit)
         ]
         if not skins:
             return 0.0
-        points, normals, owner, P = self._find_strong(parts, skins, samples, limit, capsules)
+        points, normals, owner, P = self._find_strong(
+            contributions, skins, samples, limit, capsules
+        )
         peak, stretch = float(P.max(initial=0.0)), max(map(_stretch, skins))
         for step in (stretch, 1.0) if stretch > MIN_LARGE_SIZE else (1.0,):
             best = np.argsort(P)[-MAX_PEAKS:]
@@ -179,12 +183,12 @@ class SkinLimit:
             for k, skin in enumerate(skins):
                 own = owner == k
                 points[own], normals[own], _ = skin.closest(points[own])
-            P = self._evaluate(parts, points, SkinFacing.of(normals, capsules))
+            P = self._evaluate(contributions, points, SkinFacing.of(normals, capsules))
             peak = max(peak, float(P.max()))
         return MARGIN * peak
 
     def _find_strong(
-        self, parts: Gains, skins: Sequence[PosedSkin], samples: Samples, limit: float,
+        self, contributions: Gains, skins: Sequence[PosedSkin], samples: Samples, limit: float,
         capsules: Floats,
     ) -> tuple[Floats, Floats, Indices, Floats]:  # fmt: skip
         """Return points of skin near those whose pressure is high, and isolated samples.
@@ -199,7 +203,7 @@ class SkinLimit:
             nodes, owners = skin.skin.counts[level], skin.skin.share[level].indices
             P = np.zeros(nodes)
             shown = self._find_shown(skin, np.arange(nodes), MIN_COSINE)
-            P[shown] = self._evaluate(parts, skin.points[shown])
+            P[shown] = self._evaluate(contributions, skin.points[shown])
             # Skin that a bent joint uncovers has none of the first points near it, so it is always evaluated.
             near = np.flatnonzero(
                 (limit / MAX_HIDDEN_RATIO <= P)[owners].any(axis=1) | skin.skin.hidden
@@ -208,7 +212,7 @@ class SkinLimit:
             found.append((skin.points[near], skin.normals[near]))
         owner = np.repeat(np.arange(-1, len(skins)), [len(points) for points, _ in found])
         points, normals = (np.concatenate(each) for each in zip(*found, strict=True))
-        P = self._evaluate(parts, points, SkinFacing.of(normals, capsules))
+        P = self._evaluate(contributions, points, SkinFacing.of(normals, capsules))
         return points, normals, owner, P
 
     def _find_shown(self, skin: PosedSkin, which: Indices, least: float) -> Indices:
@@ -229,7 +233,7 @@ class SkinLimit:
         squared = (q * q).sum(axis=1)[:, None] + (r * r).sum(axis=1) - 2.0 * (q @ r.T)
         return np.asarray((along > least * np.sqrt(np.maximum(squared, 0.0))).any(axis=1))
 
-    def _is_below(self, parts: Gains, low: Floats, high: Floats, limit: float) -> bool:
+    def _is_below(self, contributions: Gains, low: Floats, high: Floats, limit: float) -> bool:
         """Return whether the sum of the transducers' pressures is below the limit in a whole box, and just around it.
 
         low, high: corners of the box, (3,) [m].
@@ -242,10 +246,14 @@ class SkinLimit:
         _, power, beta, pressure = (float(value) for value in wave.law)
         reach = pressure * float(np.abs(wave.table).max()) * self._response
         each = reach * distance**-power * np.exp(-beta * distance)
-        return bool(each @ np.abs(parts).sum(axis=0) < float(sound_pressure(limit, self._medium)))
+        return bool(
+            each @ np.abs(contributions).sum(axis=0) < float(sound_pressure(limit, self._medium))
+        )
 
-    def _evaluate(self, parts: Gains, points: Floats, facing: SkinFacing | None = None) -> Floats:
-        """Return the highest radiation pressure that the parts can have at points, (K, 3) [m], (K,) [Pa].
+    def _evaluate(
+        self, contributions: Gains, points: Floats, facing: SkinFacing | None = None
+    ) -> Floats:
+        """Return the highest radiation pressure that the contributions can have at points, (K, 3) [m], (K,) [Pa].
 
         facing: of the skin there; None to count all sound.
         """
@@ -260,10 +268,10 @@ class SkinLimit:
             if facing is not None:
                 part = SkinFacing.of(facing.normals[first : first + CHUNK], facing.capsules)
                 part.weigh(some, self._wave, np.arange(len(some)), B)
-            z = np.empty((len(parts), len(some)), np.complex128)
-            for part, out in zip(parts, z, strict=True):
-                kernels.apply(B, part, out)
-            p[first : first + CHUNK] = np.abs(z[0]) if len(parts) == 1 else sum_up(z)
+            z = np.empty((len(contributions), len(some)), np.complex128)
+            for each, out in zip(contributions, z, strict=True):
+                kernels.apply(B, each, out)
+            p[first : first + CHUNK] = np.abs(z[0]) if len(contributions) == 1 else sum_up(z)
         return radiation_pressure(p, self._medium)
 
 
@@ -311,5 +319,5 @@ def scale_down(made: CachedSolution, limit: float, peak: float) -> CachedSolutio
         note=f"{peak:.3g} Pa on the skin would exceed the limit of {limit:.3g} Pa: "
         f"all pressures are {share:.0%} of the solver's",
     )
-    parts = None if made.parts is None else factor * made.parts
-    return replace(made, gains=solution.gains, parts=parts, solution=solution, limited=True)
+    each = None if made.contributions is None else factor * made.contributions
+    return replace(made, gains=solution.gains, contributions=each, solution=solution, limited=True)

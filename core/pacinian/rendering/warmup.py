@@ -9,6 +9,7 @@ import numpy as np
 from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.scene.modulation.envelope import resolve
 from pacinian.session import Session
+from pacinian.solving.solution_status import Status
 
 if TYPE_CHECKING:
     from pacinian.scene.scene import Scene
@@ -17,11 +18,16 @@ if TYPE_CHECKING:
 
 
 def try_out(session: Session) -> Solution:
-    """Solve for one point, then for two on skin, in a spare session. Raises any exception of the solver."""
+    """Solve for one point, then for two on skin, in a spare session. Return the first that failed, or the last.
+
+    Raises any exception of the solver.
+    """
     spare = Session(session.array, session.medium, session.solver)
     points = spare.propagator.origin + np.array([[0.02, 0.0, 0.2], [-0.02, 0.0, 0.2]])
     up = np.array([[0.0, 0.0, -1.0]] * 2)
-    spare.solve(points[:1], [1.0])
+    first = spare.solve(points[:1], [1.0])
+    if first.status is Status.failed:
+        return first
     return spare.solve(points, [1.0, 1.0], facing=SkinFacing(up))
 
 

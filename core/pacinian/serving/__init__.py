@@ -2,9 +2,9 @@
 
 Each of the four kinds of process has a folder; none imports another.
 
-  server.py    starts and ends the server
+  server.py    starts and ends the server; decides whether its first processes are forked or spawned
   settings.py  contents of a configuration file, with all limits and times that it can set
-  control/     the parent: control socket, leases, output ownership, status; supervises the others
+  control/     the parent: control socket, sessions, output lease, selections, status; supervises the others
   bus/         command socket: decodes and validates commands, stores the objects
   render/      the loop: scene, solver plug-ins
   guard/       owns the device: lets frames through only while permitted and fresh; a spare waits (spare_guard.py)

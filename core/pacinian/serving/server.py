@@ -20,10 +20,11 @@ from pacinian.scene.config_sections import Device
 from pacinian.serving.control.process import ControlLoop
 from pacinian.serving.control.sockets import ControlSockets, explain_bind_error
 from pacinian.serving.control.supervisor import GUARD, SPARE, START_ORDER, Supervisor
-from pacinian.serving.ipc import child_process, scheduling, shared_memory
+from pacinian.serving.ipc import launched_child, scheduling, shared_memory
 from pacinian.serving.ipc.auth import Authenticator, make_secrets
 from pacinian.serving.ipc.child_pipe import ChildPipes
 from pacinian.serving.ipc.file_lock import FileLock, LockHeld
+from pacinian.serving.ipc.launch_config import LaunchConfig
 from pacinian.serving.ipc.logs import configure, flush, log
 from pacinian.serving.ipc.memory_trim import trim_memory
 from pacinian.serving.ipc.messages import (
@@ -32,8 +33,8 @@ from pacinian.serving.ipc.messages import (
     compute_frame_capacity,
     open_wakes,
 )
+from pacinian.serving.ipc.open_files import list_file_descriptors
 from pacinian.serving.ipc.refused_setting import take_refused_setting
-from pacinian.serving.ipc.spawned_process import list_files
 from pacinian.serving.settings import METRICS_HOST
 from pacinian.wire.connection_file import (
     Connection,
@@ -49,7 +50,7 @@ if TYPE_CHECKING:
     from pathlib import Path
     from types import FrameType
 
-    from pacinian.serving.control.supervisor import Process
+    from pacinian.serving.control.supervisor import SupervisedChild
     from pacinian.serving.ipc.child_pipe import ChildPipe
     from pacinian.serving.ipc.shared_memory import SharedRegister
     from pacinian.serving.settings import Network, Settings
@@ -59,22 +60,24 @@ if TYPE_CHECKING:
 MAX_CHILDREN = 5
 # Smallest number of file descriptors with which a server starts. Its own are 52; ZeroMQ ends the process that has none
 # left.
-MIN_FILES = 64
+MIN_FILE_LIMIT = 64
 
 
 def serve(
     settings: Settings,
     ready: Callable[[Path], object] = lambda path: None,
-    start: Callable[[str, child_process.LaunchConfig, ChildPipe], Process] = child_process.start,
+    start_child: Callable[
+        [str, LaunchConfig, ChildPipe], SupervisedChild
+    ] = launched_child.start_child,
     ending: threading.Event | None = None,
     source: str | Path = "settings",
     fork: bool = False,
 ) -> None:
     """Run the server until SIGTERM, Ctrl-C or `ending`; then always silence the device.
 
-    ready: called with the connection file once clients can connect. start: starts one of the other processes. source:
-    file that the settings are from, for errors. fork: whether, on Linux, the first of the other processes are copies of
-    this one, if it has no open files. It must then be small, without threads that do more than wait. Raises
+    ready: called with the connection file once clients can connect. start_child: starts another process.
+    source: file that the settings are from, for errors. fork: whether, on Linux, the first of the other processes are
+    copies of this one, if it has no open files. It must then be small, without threads that do more than wait. Raises
     ServerError; SceneFileError for settings that a solver or a backend refuses.
     """
     ending = ending or threading.Event()
@@ -87,13 +90,13 @@ def serve(
         _raise_file_limit()
         stack.callback(flush)
         _check_ports(settings)
-        stack.enter_context(_signals(ending))
+        stack.enter_context(_catch_signals(ending))
         pipes = stack.enter_context(ChildPipes(MAX_CHILDREN))
         forked = stack.enter_context(
-            child_process.ForkedChildren((*START_ORDER, GUARD) if fork else (), pipes)
+            launched_child.ForkedChildren((*START_ORDER, GUARD) if fork else (), pipes)
         )
         secrets = make_secrets(settings)
-        folder = stack.enter_context(shared_memory.folder())
+        folder = stack.enter_context(shared_memory.open_folder())
         stack.enter_context(_name_refused_setting(folder, source))
         settings = _keep_description(settings, folder)
         capacities = {**CAPACITIES, "frame": compute_frame_capacity(len(settings.array.make()))}
@@ -108,26 +111,28 @@ def serve(
         # The stop is answered whatever the others do; ZeroMQ's threads inherit the priority.
         scheduling.raise_priority()
         context: zmq.Context[zmq.Socket[bytes]] = stack.enter_context(zmq.Context())
-        gate = stack.enter_context(Authenticator(context, secrets, settings.security.keys))
+        authenticator = stack.enter_context(Authenticator(context, secrets, settings.security.keys))
         stop = stack.enter_context(_open_stop_socket(folder / "stop", secrets))
-        doors = stack.enter_context(ControlSockets(context, gate, settings.network, stop))
-        command = settings.network.command or _free(settings.network.host, 0)
-        network = replace(
-            settings.network, control=doors.control, command=command, state=doors.state
+        sockets = stack.enter_context(
+            ControlSockets(context, authenticator, settings.network, stop)
         )
-        config = child_process.LaunchConfig(str(folder), replace(settings, network=network))
-        connection = _connection(network, secrets, stop.address)
+        command = settings.network.command or _find_free_port(settings.network.host, 0)
+        network = replace(
+            settings.network, control=sockets.control, command=command, state=sockets.state
+        )
+        config = LaunchConfig(str(folder), replace(settings, network=network))
+        connection = _describe_connection(network, secrets, stop.address)
         supervisor = Supervisor(
-            functools.partial(_start_child, start, config, secrets, pipes, forked),
+            functools.partial(_take_or_start_child, start_child, config, secrets, pipes, forked),
             settings.safety.hang_timeout,
             plugins=_name_plugins(settings),
         )
         stack.callback(_end_children, supervisor, files["device"])
-        control = ControlLoop(settings, doors, files, supervisor)
-        stack.enter_context(_metrics(settings, control, doors))
+        control = ControlLoop(settings, sockets, files, supervisor)
+        stack.enter_context(_serve_metrics(settings, control, sockets))
         try:
             while not ending.is_set():
-                control.round()
+                control.run_round()
                 if control.ready and not supervisor.trusted:
                     supervisor.trusted = True
                     connection.write(path)
@@ -139,26 +144,26 @@ def serve(
         finally:
             notify("STOPPING=1")
             control.silence_all()
-            doors.close()  # the files of connections are needed to remove the connection file
+            sockets.close()  # the files of connections are needed to remove the connection file
             log().info("end")
 
 
-def _start_child(
-    start: Callable[[str, child_process.LaunchConfig, ChildPipe], Process],
-    config: child_process.LaunchConfig,
+def _take_or_start_child(
+    start_child: Callable[[str, LaunchConfig, ChildPipe], SupervisedChild],
+    config: LaunchConfig,
     secrets: dict[str, str],
     pipes: ChildPipes,
-    forked: child_process.ForkedChildren,
+    forked: launched_child.ForkedChildren,
     name: str,
     spare: int,
-) -> Process:
-    """Start one of the other processes, as `Supervisor` asks for it. The spare guard is a guard that waits."""
+) -> SupervisedChild:
+    """Return another process for `Supervisor`: a forked one, or a new one. The spare guard is a guard that waits."""
     if refused := take_refused_setting(config.path):  # by the process that is started again
         log().error("setting refused", key=refused.key, problem=refused.problem)
     module = GUARD if name == SPARE else name
     # Only the bus has sockets.
     told = replace(config, spare=spare, secrets=secrets if name == "bus" else {})
-    return forked.start(module, told) or start(module, told, pipes.take())
+    return forked.take(module, told) or start_child(module, told, pipes.take())
 
 
 @contextlib.contextmanager
@@ -230,10 +235,10 @@ def _raise_file_limit() -> None:
     import resource
 
     most = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
-    if most != resource.RLIM_INFINITY and most < MIN_FILES:
+    if most != resource.RLIM_INFINITY and most < MIN_FILE_LIMIT:
         raise ServerError(
-            f"the system permits {most} files, and a server needs {MIN_FILES}: run `ulimit -Hn {MIN_FILES}` as root, "
-            "or raise the limit of this user or service"
+            f"the system permits {most} files, and a server needs {MIN_FILE_LIMIT}: "
+            f"run `ulimit -Hn {MIN_FILE_LIMIT}` as root, or raise the limit of this user or service"
         )
     with contextlib.suppress(OSError, ValueError):
         resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
@@ -260,8 +265,8 @@ def _hold_standard_files() -> None:
             os.set_inheritable(os.open(os.devnull, os.O_RDWR), True)
 
 
-def _metrics(
-    settings: Settings, control: ControlLoop, doors: ControlSockets
+def _serve_metrics(
+    settings: Settings, control: ControlLoop, sockets: ControlSockets
 ) -> contextlib.AbstractContextManager[object]:
     if not settings.metrics.port:
         return contextlib.nullcontext()
@@ -269,11 +274,11 @@ def _metrics(
 
     return Metrics(
         settings.metrics.port,
-        lambda: (control.newest, {**control.counts, **doors.counts}, control.view.bus_status),
+        lambda: (control.newest, {**control.counts, **sockets.counts}, control.statuses.bus_status),
     )
 
 
-def _connection(network: Network, secrets: dict[str, str], stop: str) -> Connection:
+def _describe_connection(network: Network, secrets: dict[str, str], stop: str) -> Connection:
     at = functools.partial(network.endpoint, local=True)
     return Connection(
         pid=os.getpid(),
@@ -294,10 +299,10 @@ def _check_ports(settings: Settings) -> None:
     ports = [(network.host, port) for port in (network.control, network.command, network.state)]
     for host, port in (*ports, (METRICS_HOST, settings.metrics.port)):
         if port:
-            _free(host, port)
+            _find_free_port(host, port)
 
 
-def _free(host: str, port: int) -> int:
+def _find_free_port(host: str, port: int) -> int:
     """Return a free port for a later bind: the given one, or any if it is 0. Raises ServerError."""
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     try:
@@ -317,13 +322,13 @@ def _has_open_files() -> bool:
     Files that it has inherited do not count: they are inheritable, and those that Python opens are not.
     """
     try:
-        return any(not os.get_inheritable(number) for number in list_files())
+        return any(not os.get_inheritable(number) for number in list_file_descriptors())
     except OSError:
         return True
 
 
 @contextlib.contextmanager
-def _signals(ending: threading.Event) -> Generator[None]:
+def _catch_signals(ending: threading.Event) -> Generator[None]:
     """Let SIGTERM, Ctrl-C and the end of a terminal end the server in order, instead of anywhere."""
 
     def asked(number: int, frame: FrameType | None) -> None:

@@ -6,12 +6,11 @@ import ipaddress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
-import numpy as np
 from msgspec import Meta, Struct
 from msgspec.structs import force_setattr, replace
 
 from pacinian.acoustics.pose import Vector, vector
-from pacinian.argument_checks import HEAD_RADIUS, MAX_LENGTH, check_number
+from pacinian.argument_checks import HEAD_RADIUS, check_number
 from pacinian.errors import ArgumentError, SceneFileError
 from pacinian.scene.config_sections import (
     Device,
@@ -75,20 +74,11 @@ class Zone(Struct, frozen=True, forbid_unknown_fields=True):
 
     def check_place(self, array: Array) -> None:
         """Check that the zone is near the array and contains no transducer. Raises ArgumentError."""
-        away = float(np.linalg.norm(array.centre - self.position))
-        if away > MAX_LENGTH:
-            raise ArgumentError(
-                "position",
-                f"is {away:.4g} m from the array's centre, more than {MAX_LENGTH:g} m: "
-                "give metres, not millimetres",
-            )
-        nearest = float(np.linalg.norm(array.positions - self.position, axis=1).min())
-        if nearest <= self.radius:
-            raise ArgumentError(
-                "radius",
-                f"is {self.radius:g} m, but a transducer is {nearest:.3g} m from the centre of the zone: "
-                "make the zone smaller, or move it away from the array",
-            )
+        from pacinian.solving import quiet_zone  # here, because most processes load no solver
+
+        quiet_zone.check_zone_place(
+            quiet_zone.Zone(self.position, pressure=self.pressure, radius=self.radius), array
+        )
 
 
 class Safety(Struct, frozen=True, forbid_unknown_fields=True):

@@ -4,10 +4,11 @@ The API, `Session` and `solve`, is in `pacinian/session.py`.
 
 What goes in
     problem.py            targets and their relative error; limits; budget of time
-    quiet_zone.py         what a quiet zone is, and the points in it that are looked at
+    quiet_zone.py         what a quiet zone is, where it may be, and its places
     propagator.py         B = propagation from transducers to points, and what is derived from it, cached
     column_groups.py      transducers with equal columns of B share one gain
-    factor.py             Cholesky factor of the regularised Gram matrix B B^H + mu I
+    factor.py             Cholesky factor of the regularised Gram matrix B B^H + mu I. mu: options of the solvers;
+                          constants of skin_phases.py, region_phases.py, limit_enforcement.py
 What solvers share
     warm_start.py         the last solution, carried over to points that moved, came or went
     phases.py             free phases of isolated points
@@ -18,7 +19,9 @@ What solvers share
     least_squares.py      gains of least norm for any shape and rank of B
     quiet_subspace.py     gains that leave quiet zones quiet: prepared once for each set of zones
     quiet_basis.py        the basis that these gains must not contain
-    loudest_places.py     search for the loudest places of a zone
+    loudest_places.py     search for the loudest places of a zone. How many are evaluated: to prepare the zone,
+                          PLACES_PER_BATCH in quiet_zone.py; for a solution, WATCHED_PLACES in quiet_subspace.py; by
+                          `certify`, MIN_PLACES and MAX_PLACES in loudest_places.py
     limit_enforcement.py  limits of gain, power, quiet points and zones, whatever a solver writes; NaN to silence
     linalg.py             BLAS and LAPACK without the rest of SciPy
     blas.py               one BLAS thread for small problems
@@ -28,6 +31,7 @@ What comes out
     solution_metrics.py   its figures: error, shape error, gap, count at the limit
     solution_status.py    its status: ok, limited, scaled, deadline, ...
     solution_file.py      saved solutions
+    solution_reuse.py     the last solution, scaled for a multiple of its targets
     solution_tables.py    xarray and pandas
 Evidence
     solution_check.py     status, violated limits and proven bound, from the gains

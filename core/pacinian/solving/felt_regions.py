@@ -148,7 +148,7 @@ class FeltPlaces:
         targets: Targets,
         facing: SkinFacing | None,
         count: int,
-        chance: Generator,
+        rng: Generator,
         chosen: Flags,
     ) -> FeltPlaces:
         """Return a random subset of such places: `count` half way, at most as many beside.
@@ -159,7 +159,7 @@ class FeltPlaces:
         assert targets.regions is not None
         sounding = np.flatnonzero(~targets.beside)
         own = np.flatnonzero(chosen[sounding])
-        first = chance.choice(own, 2 * count)
+        first = rng.choice(own, 2 * count)
         d = points[sounding[first]][:, None] - points[sounding]
         square = np.einsum("mok,mok->mo", d, d)
         apart = targets.regions[sounding[first]][:, None] != targets.regions[sounding]
@@ -168,16 +168,14 @@ class FeltPlaces:
         within = np.where(apart, np.inf, square)
         near = within <= MAX_NEIGHBOUR_DISTANCE**2 * within.min(axis=1, keepdims=True)
         near &= np.isfinite(within)
-        second = np.where(
-            near.any(axis=1), (chance.random(near.shape) * near).argmax(axis=1), first
-        )
+        second = np.where(near.any(axis=1), (rng.random(near.shape) * near).argmax(axis=1), first)
         first, second = sounding[first], sounding[second]
         a, b = first[:count], second[:count]
         # places beside: outward from the neighbour
         m, n = first[count:], second[count:]
         away = points[m] - points[n]
         size = np.sqrt((away * away).sum(axis=1, keepdims=True))
-        r = chance.uniform(BESIDE[0], BESIDE[-1], (count, 1))
+        r = rng.uniform(BESIDE[0], BESIDE[-1], (count, 1))
         beside = points[m] + r * away / np.where(size > 0.0, size, 1.0)
         d = beside[:, None] - points[sounding]
         nearest = np.einsum("mok,mok->mo", d, d).min(axis=1)

@@ -45,9 +45,11 @@ def certify(
     if over_phases and limits.gain is not None and last.targets.norm:
         counts = ~last.targets.beside
         least = least_error(limits.gain * B[counts], last.targets.amplitudes[counts])
-    nulls = propagator.nulls
-    if nulls is not None:
-        nulls.leave_out(B, points)  # the multipliers belong to B without the excluded subspace
+    quiet_subspace = propagator.quiet_subspace
+    if quiet_subspace is not None:
+        quiet_subspace.leave_out(
+            B, points
+        )  # the multipliers belong to B without the excluded subspace
     y, proven = last.multipliers, math.nan
     # a pressure of 0 has no phase: use that of its multiplier
     phases = np.angle(p if y is None else np.where(p == 0.0, y, p))
@@ -59,7 +61,9 @@ def certify(
     objective = (missed_by + last.mu * float(np.vdot(g, g).real)) / 2.0
     if last.targets.scale == "max":
         objective = math.nan
-    broken = measure_violations(propagator, limits, last.targets, p, g)
+    quiet = propagator.quiet
+    at_quiet = None if quiet is None else matrix(quiet.array, quiet.points, quiet.medium) @ g
+    broken = measure_violations(propagator, limits, last.targets, p, g, at_quiet)
     for zone in limits.zones:
         loudest = find_peak(propagator.array, propagator.medium, g, zone, points)
         if (over := loudest / zone.pressure - 1.0) > TOLERANCE:

@@ -18,8 +18,9 @@ if TYPE_CHECKING:
     from pacinian.solving.quiet_zone import Zone
     from pacinian.types import Complexes, Floats, Gains
 
-STARTS, ROUNDS = 16, 10  # number of places from which to climb, and of steps of each climb
-QUICK_STARTS, QUICK_ROUNDS = 4, 3  # the same for a quick look
+# Largest number of places from which a thorough search climbs, and number of steps of each climb.
+THOROUGH_MAX_CLIMBS, THOROUGH_CLIMB_STEPS = 16, 10
+QUICK_MAX_CLIMBS, QUICK_CLIMB_STEPS = 4, 3  # the same for a quick search
 FIRST_STEP = 0.25  # length of the first step, relative to the wavelength
 # Directions of the steps: the axes and the diagonals of space, unit vectors, (14, 3).
 WAYS = np.array(
@@ -35,23 +36,23 @@ MIN_PLACES, MAX_PLACES = 2048, 1 << 16  # range of the number of places of a tho
 
 
 def climb(
-    measure: Callable[[Floats], Floats], zone: Zone, starts: Floats, step: float, rounds: int
+    measure: Callable[[Floats], Floats], zone: Zone, starts: Floats, length: float, steps: int
 ) -> tuple[Floats, Floats]:
-    """Return the places of the zone to which one climbs from `starts`, (S, 3) [m], and the loudness there, (S,).
+    """Climb from `starts` to local maxima; return the places, (S, 3) [m], and their loudness, (S,).
 
-    measure: returns the loudness at places, (K, 3) [m], as an array of shape (K,). step: length of the first step [m];
-    it is halved where no step leads higher. rounds: number of steps.
+    measure: returns the loudness at places, (K, 3) [m], as an array of shape (K,). starts: in the zone, (S, 3) [m].
+    length: of the first step [m]; it is halved where no step leads higher. steps: number of steps.
     """
-    at, found, steps = starts, measure(starts), np.full(len(starts), step)
-    for _ in range(rounds if zone.radius else 0):
-        tried = at[:, None] + steps[:, None, None] * WAYS  # (S, 14, 3)
+    at, found, lengths = starts, measure(starts), np.full(len(starts), length)
+    for _ in range(steps if zone.radius else 0):
+        tried = at[:, None] + lengths[:, None, None] * WAYS  # (S, 14, 3)
         tried = zone.move_inside(tried.reshape(-1, 3))
         loud = measure(tried).reshape(len(at), -1)
         way = np.arange(len(at)), loud.argmax(axis=1)
         higher = loud[way] > found
         at = np.where(higher[:, None], tried.reshape(len(at), -1, 3)[way], at)
         found = np.where(higher, loud[way], found)
-        steps = np.where(higher, steps, steps / 2.0)
+        lengths = np.where(higher, lengths, lengths / 2.0)
     return at, found
 
 
@@ -72,11 +73,12 @@ def find_peak(array: Array, medium: Air, g: Complexes, zone: Zone, near: Floats)
 
     wavelength = medium.wavelength(array.transducer.frequency)
     places = spread_thoroughly(zone, wavelength)
-    starts = pick_starts(places, measure(places), STARTS)
+    starts = pick_starts(places, measure(places), THOROUGH_MAX_CLIMBS)
     if len(near):
         beside = zone.move_inside(near)
-        starts = np.concatenate([starts, pick_starts(beside, measure(beside), STARTS)])
-    at, _ = climb(measure, zone, starts, FIRST_STEP * wavelength, ROUNDS)
+        nearest = pick_starts(beside, measure(beside), THOROUGH_MAX_CLIMBS)
+        starts = np.concatenate([starts, nearest])
+    at, _ = climb(measure, zone, starts, FIRST_STEP * wavelength, THOROUGH_CLIMB_STEPS)
     return float(np.abs(field(array, g, at, medium, "double")).max())
 
 
@@ -85,7 +87,8 @@ def find_peak_nearby(
 ) -> float:
     """Return the highest sound pressure [Pa] of gains, (N,), to which a short climb from the loudest places leads.
 
-    places: in the zone, (K, 3) [m]. loud: the loudness there, (K,), in any unit. Takes a hundred pressures.
+    places: in the zone, (K, 3) [m]. loud: the loudness there, (K,), in any unit. Evaluates about a hundred
+    pressures.
     """
     few = max(1, CHUNK // (2 * len(array)))  # so few that `field` starts no threads
 
@@ -93,9 +96,9 @@ def find_peak_nearby(
         parts = [field(array, g, q[k : k + few], medium) for k in range(0, len(q), few)]
         return np.asarray(np.abs(np.concatenate(parts)), np.float64)
 
-    step = FIRST_STEP * medium.wavelength(array.transducer.frequency)
-    starts = places[np.argsort(-loud)[:QUICK_STARTS]]
-    return float(climb(measure, zone, starts, step, QUICK_ROUNDS)[1].max())
+    length = FIRST_STEP * medium.wavelength(array.transducer.frequency)
+    starts = places[np.argsort(-loud)[:QUICK_MAX_CLIMBS]]
+    return float(climb(measure, zone, starts, length, QUICK_CLIMB_STEPS)[1].max())
 
 
 def spread_thoroughly(zone: Zone, wavelength: float) -> Floats:

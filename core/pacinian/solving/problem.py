@@ -10,7 +10,14 @@ from typing import TYPE_CHECKING, Any, Literal, cast
 
 import numpy as np
 
-from pacinian.argument_checks import check_kind, check_number, check_numbers, refuse_masked
+from pacinian.argument_checks import (
+    MAX_LENGTH,
+    check_kind,
+    check_near,
+    check_number,
+    check_numbers,
+    refuse_masked,
+)
 from pacinian.errors import ArgumentError
 from pacinian.solving.quiet_zone import Zone
 
@@ -174,6 +181,43 @@ class Targets:
         return float(kernels.relative_error(made, self.amplitudes, self.phases))
 
 
+def check_problem(
+    points: ArrayLike, amplitudes: ArrayLike, phases: ArrayLike | None, scale: str,
+    regions: ArrayLike | None, origin: Floats,
+) -> tuple[Floats, Targets]:  # fmt: skip
+    """Check the arguments of `Session.solve`; return the points, (M, 3) [m], and their targets.
+
+    origin: the array's centre, (3,) [m]. Raises ArgumentError. Arrays of free phases take a fast path.
+    """
+    from pacinian.native import solving as kernels
+
+    simple = phases is None and type(scale) is str and scale == "exact"
+    if simple and isinstance(points, np.ndarray) and isinstance(amplitudes, np.ndarray):
+        q, t = cast("Floats", points), cast("Floats", amplitudes)
+        if (
+            q.dtype == t.dtype == np.float64
+            and t.ndim == 1
+            and q.shape == (len(t), 3)
+            and q.flags.c_contiguous
+            and t.flags.c_contiguous
+            and kernels.furthest(q, origin, t) <= MAX_LENGTH * MAX_LENGTH
+        ):
+            return q, Targets.make_unchecked(t, number_regions(len(t), regions))
+    q = check_numbers("points", _as_rows(points), (None, 3))
+    check_near("points", q, origin)
+    return q, Targets.make_checked(len(q), amplitudes, phases, scale, regions)
+
+
+def _as_rows(points: ArrayLike) -> ArrayLike:
+    """Return one point of shape (3,) as an array of shape (1, 3), and anything else as it is."""
+    refuse_masked("points", points)
+    try:
+        given = np.asarray(points)
+    except ValueError:  # ragged, which the caller refuses
+        return points
+    return given[None] if given.shape == (3,) else points
+
+
 def number_regions(count: int, regions: ArrayLike | None) -> Longs | None:
     """Return the region of each of `count` points, (count,), renumbered from 0; None if all points are isolated.
 
@@ -231,9 +275,18 @@ class Limits:
     hand is not taken into account.
     exact: the samples to meet exactly, as indices or as one flag for each sample.
     zones: `Zone`s, balls that stay quiet with any solver. They require a limit of gain or power. Each set of zones is
-    prepared once, which takes half a second for one unit, and up to fifteen for nine.
+    prepared once, which takes 0.5 to 1 s for one unit, 4 to 15 s for nine.
     If a solver cannot keep a limit, the solve raises UnsupportedLimit; limits are never ignored. Limits that
     contradict each other or the targets result in `Status.infeasible`. Raises ArgumentError.
+
+    Properties group the limits:
+
+        limit   solver_limits   couples_gains   forbids_steering
+        gain    no              no              no
+        power   no              yes             yes
+        quiet   yes             yes             yes
+        exact   yes             yes             yes
+        zones   no              no              yes
     """
 
     gain: float | None = 1.0
@@ -282,10 +335,28 @@ class Limits:
         """Names of the limits that the solver itself must keep; the session keeps the others."""
         return frozenset(name for name in ("quiet", "exact") if getattr(self, name) is not None)
 
+    @functools.cached_property
+    def couples_gains(self) -> bool:
+        """Whether a limit makes the gains for each sample depend on those for all others.
+
+        Then gains cannot be scaled, nor combined from solutions for some of the samples each.
+        """
+        return self.power is not None or bool(self.solver_limits)
+
+    @functools.cached_property
+    def forbids_steering(self) -> bool:
+        """Whether a solution's field must stay where it is, because the limits would not hold elsewhere."""
+        return self.couples_gains or bool(self.zones)
+
+    @property
+    def top_gain(self) -> float:
+        """`gain`, or infinity for no limit."""
+        return math.inf if self.gain is None else self.gain
+
     def rms(self, count: int) -> float:
         """Return the largest root mean square that `count` gains can have under these limits."""
-        gain = math.inf if self.gain is None else self.gain
-        return min(gain, math.inf if self.power is None else math.sqrt(self.power / count))
+        power = math.inf if self.power is None else math.sqrt(self.power / count)
+        return min(self.top_gain, power)
 
     def exact_mask(self, count: int) -> Flags:
         """Return a flag for each of `count` samples: whether to meet it exactly, (count,). Raises ArgumentError."""
@@ -332,26 +403,33 @@ def _quiet(given: tuple[ArrayLike, ArrayLike]) -> tuple[Floats, Floats]:
         raise ArgumentError("limits.quiet", "must be a pair: points [m] and a limit [Pa]") from None
     points = check_numbers("limits.quiet[0]", where, (None, 3)).copy()
     try:
-        most = np.broadcast_to(np.asarray(limit, dtype=np.float64), (len(points),)).copy()
+        pressures = np.broadcast_to(np.asarray(limit, dtype=np.float64), (len(points),)).copy()
     except (TypeError, ValueError):
         raise ArgumentError(
             "limits.quiet[1]", f"must be one limit [Pa] or {len(points)} of them"
         ) from None
-    if not (np.isfinite(most) & (most >= 0.0)).all():
+    if not (np.isfinite(pressures) & (pressures >= 0.0)).all():
         raise ArgumentError("limits.quiet[1]", "must be 0 or more [Pa]")
-    points.flags.writeable = most.flags.writeable = False
-    return points, most
+    points.flags.writeable = pressures.flags.writeable = False
+    return points, pressures
+
+
+def _go_on() -> bool:
+    """Return False: nothing cancels the solve."""
+    return False
 
 
 @dataclass(frozen=True)
 class Budget:
     """The time budget of a solver, which checks it between iterations.
 
-    due: when to stop, as a reading of `clock` [s]; infinity for no deadline.
+    due: when to stop, as a reading of `clock` [s]; infinity for no deadline. is_cancelled: returns whether to stop
+    at once, because nobody needs the result any more.
     """
 
     due: float = math.inf
     clock: Callable[[], float] = field(default=time.perf_counter, repr=False)
+    is_cancelled: Callable[[], bool] = field(default=_go_on, repr=False)
 
     @classmethod
     def until(
@@ -369,8 +447,8 @@ class Budget:
 
     @property
     def spent(self) -> bool:
-        """Whether the time is up."""
-        return self.due < math.inf and self.clock() >= self.due
+        """Whether the time is up, or the solve is cancelled."""
+        return (self.due < math.inf and self.clock() >= self.due) or self.is_cancelled()
 
     def affords(self, seconds: float) -> bool:
         """Return whether a step of `seconds` would end before the deadline."""

@@ -53,8 +53,8 @@ class Propagator:
     """Equations (4) to (8) for one array, one medium and moving points.
 
     All solvers share one propagator and its caches. `set_points` moves the points and recomputes only the rows of B
-    and B B^H whose points moved. With `facing`, B is weighted by it. With `nulls`, B is projected so that gains
-    computed from it keep the zones quiet. Both apply to everything derived from B, too.
+    and B B^H whose points moved. With `facing`, B is weighted by it. With `quiet_subspace`, B is projected so that
+    gains computed from it keep the zones quiet. Both apply to everything derived from B, too.
     """
 
     def __init__(self, array: Array, medium: Air, precision: Precision = "single") -> None:
@@ -66,7 +66,7 @@ class Propagator:
         self.version = 0
         self.quiet: Propagator | None = None
         self.facing: SkinFacing | None = None
-        self.nulls: QuietSubspace | None = None
+        self.quiet_subspace: QuietSubspace | None = None
         self.postponed = -1
         """The version for whose Gram matrix there was no time (`back_propagation.affords_gram`)."""
         self.workspace: object = None
@@ -93,10 +93,10 @@ class Propagator:
         self.quiet = self.workspace = None
         self._factors.clear()
 
-    def keep_quiet(self, nulls: QuietSubspace | None) -> None:
-        """From the next `set_points` on, project B onto gains outside `nulls`; None to stop."""
-        self._fresh = self._fresh or nulls is not self.nulls
-        self.nulls = nulls
+    def keep_quiet(self, quiet_subspace: QuietSubspace | None) -> None:
+        """From the next `set_points` on, project B onto gains without `quiet_subspace`; None to stop."""
+        self._fresh = self._fresh or quiet_subspace is not self.quiet_subspace
+        self.quiet_subspace = quiet_subspace
 
     def set_points(self, points: Floats, facing: SkinFacing | None = None) -> int:
         """Move the points to `points` [m], shape (M, 3); return the number of rows of B that were recomputed.
@@ -126,8 +126,8 @@ class Propagator:
             self._wave.matrix(here, self._B, moved)
             if facing is not None:
                 facing.weigh(here, self._wave, moved, self._B)
-            if self.nulls is not None:
-                self._leave_out(self.nulls, here, moved)
+            if self.quiet_subspace is not None:
+                self._leave_out(self.quiet_subspace, here, moved)
         except BaseException:
             self._forget(0)
             raise
@@ -137,10 +137,10 @@ class Propagator:
         self._points[where] = here
         return count
 
-    def _leave_out(self, nulls: QuietSubspace, points: Floats, rows: Indices) -> None:
+    def _leave_out(self, quiet_subspace: QuietSubspace, points: Floats, rows: Indices) -> None:
         """Project these rows of B, of `points` (K, 3), onto gains that keep the zones quiet."""
         B = self._B if len(rows) == len(self._B) else self._B[rows]
-        nulls.leave_out(B, points)
+        quiet_subspace.leave_out(B, points)
         if B is not self._B:
             self._B[rows] = B
 

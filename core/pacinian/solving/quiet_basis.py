@@ -36,14 +36,12 @@ REPAIRED_SHARE = 0.9  # the same, for places that are found later
 MIN_PRESSURE_SHARE = 0.15  # V gets no rows for pressures below this share of the limit
 # Rows that are weaker than this, relative to the strongest row of a block, are left to the next block.
 DISTINCT = 1e-4
-MAX_ROUNDS = 16  # largest number of rounds of new places
+MAX_BATCHES = 17  # largest number of batches of new places for which V is enlarged
 MAX_DIMENSION_SHARE = 0.8  # largest share of the N dimensions that V may take
 MIN_LIMIT = 1e-5  # lowest limit that single precision keeps, relative to full drive in the zone
 PLACES_PER_ROW = 3  # least number of places for each row of V before it is compressed
-STARTS, ROUNDS = (
-    8,
-    6,
-)  # number of places of each kind from which to climb, and of steps of each climb
+# Largest number of places of each kind from which to climb, and number of steps of each climb.
+BASIS_MAX_CLIMBS, BASIS_CLIMB_STEPS = 8, 6
 MAX_FACING = 64  # largest number of transducers whose nearest places in a zone are looked at
 CHUNK_ROWS = 16  # number of rows of B computed at a time, which fit the second-level cache
 UNUSABLE = "leave the array nothing to sound with: make them smaller, less quiet, or farther away"
@@ -75,29 +73,29 @@ def make_basis(wave: KernelData, limits: list[ZoneLimit], full: float) -> tuple[
     full: largest ||g||. Raises ArgumentError if V takes too many dimensions.
     """
     N = len(wave.array)
-    V, most, looked = np.zeros((0, N), np.complex64), KEPT_SHARE / full, 0
+    V, bound, looked = np.zeros((0, N), np.complex64), KEPT_SHARE / full, 0
     for zone, q, _ in limits:
         for k, places in enumerate(zone.places()):
             rest = make_rows(wave, places, q)
             leave_out(V, rest)
-            if compute_norms(rest).max() <= most or len(V) >= N or k > MAX_ROUNDS:
+            if compute_norms(rest).max() <= bound or len(V) >= N or k >= MAX_BATCHES:
                 break
-            V = _enlarge(V, rest, most, GROWN_SHARE)
+            V = _enlarge(V, rest, bound, GROWN_SHARE)
             looked = max(looked, k + 1)
-    V = _compress(wave, limits, V, most)
+    V = _compress(wave, limits, V, bound)
     found = 0.0
     for zone, q, _ in limits:
         batches = zone.places()
         for _ in range(looked):
             next(batches)
         for k, places in enumerate(batches):
-            if len(V) > MAX_DIMENSION_SHARE * N or k > MAX_ROUNDS:
+            if len(V) > MAX_DIMENSION_SHARE * N or k >= MAX_BATCHES:
                 raise ArgumentError("limits.zones", UNUSABLE)
-            rest, loud = _find_loud(wave, zone, q, places, V, most)
-            if loud <= most:
+            rest, loud = _find_loud(wave, zone, q, places, V, bound)
+            if loud <= bound:
                 found = max(found, loud)
                 break
-            V = _enlarge(V, rest, most, REPAIRED_SHARE)
+            V = _enlarge(V, rest, bound, REPAIRED_SHARE)
     return V, found
 
 
@@ -160,7 +158,7 @@ def _face(wave: KernelData, zone: Zone) -> Floats:
 
 
 def _find_loud(
-    wave: KernelData, zone: Zone, q: float, places: Floats, V: Gains, most: float
+    wave: KernelData, zone: Zone, q: float, places: Floats, V: Gains, bound: float
 ) -> tuple[Gains, float]:
     """Return c(x) / q at places of a zone, and its largest norm.
 
@@ -177,32 +175,35 @@ def _find_loud(
 
     rest, beside = make_rest(places), _face(wave, zone)
     size = compute_norms(rest)
-    if (loudest := float(size.max())) > most:
+    if (loudest := float(size.max())) > bound:
         return rest, loudest
     starts = np.concatenate(
-        [pick_starts(places, size, STARTS), pick_starts(beside, measure(beside), STARTS)]
+        [
+            pick_starts(places, size, BASIS_MAX_CLIMBS),
+            pick_starts(beside, measure(beside), BASIS_MAX_CLIMBS),
+        ]
     )
     wavelength = wave.medium.wavelength(wave.array.transducer.frequency)
-    at, loud = climb(measure, zone, starts, FIRST_STEP * wavelength, ROUNDS)
+    at, loud = climb(measure, zone, starts, FIRST_STEP * wavelength, BASIS_CLIMB_STEPS)
     return np.concatenate([rest, make_rest(at)]), max(loudest, float(loud.max()))
 
 
-def _enlarge(V: Gains, rest: Gains, most: float, share: float) -> Gains:
-    """Return V with rows added until each row of `rest`, (K, N), has a norm of at most `share` times `most`.
+def _enlarge(V: Gains, rest: Gains, bound: float, share: float) -> Gains:
+    """Return V with rows added until each row of `rest`, (K, N), has a norm of at most `share` times `bound`.
 
     Removes the new rows from `rest`, in place.
     """
     while True:
         size = compute_norms(rest)
         block = np.argsort(-size)[:MAX_ROWS_AT_ONCE]
-        block = block[size[block] > max(share * most, 0.1 * size[block[0]])]
+        block = block[size[block] > max(share * bound, 0.1 * size[block[0]])]
         if not len(block) or len(V) >= V.shape[1]:
             return V
         X = rest[block].astype(np.complex128)
         for _ in range(2):  # twice, because of rounding
             leave_out(V, X)
         power, ways = np.linalg.eigh(X @ X.conj().T)
-        kept = power > max((MIN_PRESSURE_SHARE * most) ** 2, DISTINCT * DISTINCT * power[-1])
+        kept = power > max((MIN_PRESSURE_SHARE * bound) ** 2, DISTINCT * DISTINCT * power[-1])
         kept[: max(0, len(V) + len(block) - V.shape[1])] = False
         new = (ways[:, kept].conj().T @ X) / np.sqrt(power[kept])[:, None]
         new = new.astype(np.complex64)
@@ -210,8 +211,8 @@ def _enlarge(V: Gains, rest: Gains, most: float, share: float) -> Gains:
         leave_out(new, rest)
 
 
-def _compress(wave: KernelData, limits: list[ZoneLimit], V: Gains, most: float) -> Gains:
-    """Return the fewest principal rows of V with which ||c(x)|| / q is at most COMPRESSED_SHARE times `most`.
+def _compress(wave: KernelData, limits: list[ZoneLimit], V: Gains, bound: float) -> Gains:
+    """Return the fewest principal rows of V with which ||c(x)|| / q is at most COMPRESSED_SHARE times `bound`.
 
     The places are those for which V was made, at least PLACES_PER_ROW for each row.
     """
@@ -226,7 +227,7 @@ def _compress(wave: KernelData, limits: list[ZoneLimit], V: Gains, most: float) 
             part = rows @ V.conj().T  # (K, R)
             parts.append(part)
             leave = compute_norms(rows) ** 2 - compute_norms(part) ** 2
-            outside.append(np.clip(leave, 0.0, (GROWN_SHARE * most) ** 2))
+            outside.append(np.clip(leave, 0.0, (GROWN_SHARE * bound) ** 2))
             count += len(rows) if zone.radius else PLACES_PER_ROW * R
     A = np.concatenate(parts)
     S = np.zeros((R, R), np.complex128)
@@ -238,9 +239,8 @@ def _compress(wave: KernelData, limits: list[ZoneLimit], V: Gains, most: float) 
     left = np.concatenate(
         [np.cumsum(power[:, ::-1], axis=1)[:, ::-1], np.zeros((len(A), 1))], axis=1
     )
-    highest = (left + np.concatenate(outside)[:, None]).max(
-        axis=0
-    )  # with the first 0, 1, ... R rows
-    fits = highest <= (COMPRESSED_SHARE * most) ** 2
+    # highest power with the first 0, 1, ... R rows
+    highest = (left + np.concatenate(outside)[:, None]).max(axis=0)
+    fits = highest <= (COMPRESSED_SHARE * bound) ** 2
     count = int(fits.argmax()) if fits.any() else R
     return np.asarray(ways[:, :count].conj().T @ V.astype(np.complex128), np.complex64)

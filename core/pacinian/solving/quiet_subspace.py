@@ -17,12 +17,11 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from pacinian.acoustics.propagation import KernelData
-from pacinian.argument_checks import check_near
-from pacinian.errors import ArgumentError
 from pacinian.native import solving as kernels
 from pacinian.solving.blas import limit_blas_threads
 from pacinian.solving.loudest_places import find_peak_nearby
 from pacinian.solving.quiet_basis import leave_out, make_basis, make_limits, make_rows
+from pacinian.solving.quiet_zone import check_zone_place
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -34,14 +33,12 @@ if TYPE_CHECKING:
     from pacinian.solving.quiet_zone import Zone
     from pacinian.types import Complexes, Flags, Floats, Gains
 
-WATCHED = 256  # number of places of a zone from whose loudest ones `measure_excess` climbs
+WATCHED_PLACES = 256  # number of places of a zone from whose loudest ones `measure_excess` climbs
 # Number of random mixtures of V's rows. They estimate ||V g|| within a factor of SKETCH_FACTOR.
 SKETCH_ROWS, SKETCH_FACTOR = 16, 2.0
-UNSEEN_FACTOR = (
-    1.5  # largest ratio of the highest pressure of speckle to what `measure_excess` finds
-)
+# Largest ratio of the highest pressure of speckle to what `measure_excess` finds.
+UNSEEN_FACTOR = 1.5
 MAX_PREPARED = 4  # largest number of prepared sets of zones that are kept
-INSIDE = "contain a transducer: make them smaller, or move them away from the array"
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,15 +62,14 @@ class QuietSubspace:
 
     @classmethod
     def of(cls, array: Array, medium: Air, zones: tuple[Zone, ...], rms: float) -> QuietSubspace:
-        """Compute the subspace of these zones, which takes a second, or several for large zones.
+        """Compute the subspace of these zones, which takes 0.5 to 1 s for one unit, 4 to 15 s for nine.
 
-        rms: largest root mean square of gains. Raises ArgumentError if a zone contains a transducer, or if the zones
-        leave too few dimensions for gains.
+        rms: largest root mean square of gains. Raises ArgumentError if a zone is far from the array or contains a
+        transducer, or if the zones leave too few dimensions for gains.
         """
         wave, full = KernelData.prepare(array, medium), math.sqrt(len(array)) * rms
-        check_near("limits.zones", np.array([zone.position for zone in zones]), wave.origin)
-        if any(zone.holds(array.positions).any() for zone in zones):
-            raise ArgumentError("limits.zones", INSIDE)
+        for zone in zones:
+            check_zone_place(zone, array, "limits.zones")
         limits = make_limits(wave, zones, full)
         V, residual = make_basis(wave, limits, full)
         watched = tuple(make_rows(wave, _watch(zone), q) for zone, q, _ in limits)
@@ -121,22 +117,22 @@ class QuietSubspace:
         return self.residual * math.sqrt(kernels.power(g)) + self.loudest * leak
 
     def find_violation(self, g: Complexes) -> float:
-        """Return by how much gains, (N,), may exceed limits that single precision cannot keep, as a ratio; else 0.
+        """Return the largest possible relative excess over limits that single precision cannot keep.
 
-        Other limits are always kept, once the bound is at most 1.
+        It is 0 if there is none. g: gains, (N,). Other limits are always kept, once the bound is at most 1.
         """
         if not self.raised:
             return 0.0
-        most = max(q / zone.pressure for zone, q, _ in self.limits)
-        if most * self.bound_excess(g) <= 1.0:
+        raised = max(q / zone.pressure for zone, q, _ in self.limits)
+        if raised * self.bound_excess(g) <= 1.0:
             return 0.0
         return max(0.0, UNSEEN_FACTOR * self.measure_excess(g) - 1.0)
 
     def measure_excess(self, g: Complexes) -> float:
         """Return the highest ratio of sound pressure to limit that is found in the zones, for gains (N,).
 
-        It climbs from the loudest of WATCHED places, which takes about a millisecond. Of speckle, which rounding makes,
-        the highest ratio is up to UNSEEN_FACTOR times as high.
+        It climbs from the loudest of WATCHED_PLACES places, which takes about a millisecond. Rounding makes
+        speckle, whose highest peak may exceed the result by UNSEEN_FACTOR.
         """
         single = np.asarray(g, np.complex64)
         found = [
@@ -149,8 +145,8 @@ class QuietSubspace:
         return max(found, default=0.0)
 
 
-def evaluate(function: Callable[[], float]) -> float:
-    """Return what a function returns."""
+def call_unrecorded(function: Callable[[], float]) -> float:
+    """Return what a function returns; neither record it nor repeat what was recorded."""
     return function()
 
 
@@ -165,9 +161,9 @@ class Preparation:
         self._key: object = None
         self._made: Future[QuietSubspace] | None = None
 
-    def nulls(
+    def get(
         self, array: Array, medium: Air, zones: tuple[Zone, ...], rms: float, budget: Budget,
-        note: Callable[[Callable[[], float]], float] = evaluate,
+        note: Callable[[Callable[[], float]], float] = call_unrecorded,
     ) -> QuietSubspace | None:  # fmt: skip
         """Return the quiet subspace; None if the budget runs out first. Raises as `QuietSubspace.of`.
 
@@ -210,7 +206,7 @@ def _make(array: Array, medium: Air, zones: tuple[Zone, ...], rms: float) -> Qui
 
 def _watch(zone: Zone) -> Floats:
     """Return the watched places of a zone, (W, 3) [m]."""
-    return zone.spread(0, WATCHED if zone.radius else 1)
+    return zone.spread(0, WATCHED_PLACES if zone.radius else 1)
 
 
 def _sketch(V: Gains) -> Gains:

@@ -1,21 +1,26 @@
-"""The definition of a quiet zone. `quiet_subspace` keeps it quiet."""
+"""Quiet zones: balls in which the sound pressure is limited."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import KW_ONLY, dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.argument_checks import HEAD_RADIUS, check_number, check_numbers
+from pacinian.argument_checks import HEAD_RADIUS, MAX_LENGTH, check_number, check_numbers
+from pacinian.errors import ArgumentError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from pacinian.acoustics.array import Array
     from pacinian.types import Flags, Floats
 
-MAX_RADIUS = 10.0  # largest radius of a zone [m]
-LOOKED_AT = 2048  # number of points of a zone in one batch
+# Largest radius of a zone [m]: any plausible length. `serving/settings.py` and `wire/commands.py` allow 1 m, because
+# the server is silent while it prepares a zone, and larger zones take longer.
+MAX_RADIUS = 10.0
+PLACES_PER_BATCH = 2048  # number of places that `Zone.places` yields at a time
 GOLDEN = 1.0 / 1.2207440846057596 ** np.arange(1, 4)  # steps of a low-discrepancy sequence (R3)
 
 
@@ -70,7 +75,28 @@ class Zone:
 
     def places(self) -> Iterator[Floats]:
         """Yield endless batches of new points in the zone, (K, 3) [m], half of them on its surface."""
-        count, k = (LOOKED_AT if self.radius else 1), 0
+        count, k = (PLACES_PER_BATCH if self.radius else 1), 0
         while True:
             yield self.spread(k, count)
             k += count
+
+
+def check_zone_place(zone: Zone, array: Array, name: str = "zone") -> None:
+    """Check that a zone is near an array and contains none of its transducers.
+
+    name: argument that the error names. Raises ArgumentError.
+    """
+    away = math.dist(array.centre, zone.position)  # [m]
+    if away > MAX_LENGTH:
+        raise ArgumentError(
+            name,
+            f"is {away:.4g} m from the array's centre, more than {MAX_LENGTH:g} m: "
+            "give metres, not millimetres",
+        )
+    distances = np.linalg.norm(array.positions - np.array(zone.position), axis=1)  # (N,) [m]
+    if (nearest := float(distances.min(initial=np.inf))) <= zone.radius:
+        raise ArgumentError(
+            name,
+            f"must not contain a transducer: the nearest is {nearest:.3g} m from its centre, and its radius is "
+            f"{zone.radius:g} m: make the zone smaller, or move it away from the array",
+        )

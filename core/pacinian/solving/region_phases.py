@@ -124,12 +124,12 @@ def settle_phases(
     else:
         source, least = _find_source(propagator, regions >= 0), ON_SKIN
     kernels.waves(q, t, regions, some, source, k, least, tilt, wave)
-    if propagator.nulls is not None:
+    if propagator.quiet_subspace is not None:
         for number in range(int(regions.max()) + 1):
             own = regions == number
             wave[own] = _aside(gram_matrix(propagator.B[own]), t[own], wave[own])
     start, steps = initial_phases(M, None if warm is None else _phases(warm))
-    if keep and propagator.nulls is None:
+    if keep and propagator.quiet_subspace is None:
         for number in range(int(regions.max()) + 1):
             own = regions == number
             wave[own] = _keep_wave(t[own], wave[own], start[own])
@@ -154,7 +154,7 @@ def settle_phases(
 
 def _is_relaxed(propagator: Propagator, targets: Targets, tilt: float) -> bool:
     """Return whether the phases of regions are relaxed: on skin, in one frame of the given strength."""
-    plain = targets.scale == "exact" and not tilt and propagator.nulls is None
+    plain = targets.scale == "exact" and not tilt and propagator.quiet_subspace is None
     return plain and propagator.facing is not None
 
 

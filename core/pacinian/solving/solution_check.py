@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
+from pacinian.native import solving as kernels
 from pacinian.solving.solution_status import Status
 
 if TYPE_CHECKING:
     from pacinian.solving.problem import Limits, Targets
     from pacinian.solving.propagator import Propagator
-    from pacinian.types import Complexes, Floats
+    from pacinian.types import Complexes, Floats, Gains
 
 TOLERANCE = 1e-3  # largest relative error at which targets and limits count as met
 # Largest relative error of the sound pressure at which targets of regions count as met; that of their radiation
@@ -24,9 +25,17 @@ MIN_LIMIT_SHARE = 1e-2
 
 
 def measure_violations(
-    propagator: Propagator, limits: Limits, targets: Targets, p: Complexes, g: Complexes
+    propagator: Propagator,
+    limits: Limits,
+    targets: Targets,
+    p: Complexes,
+    g: Complexes,
+    at_quiet: Complexes | None = None,
 ) -> dict[str, float]:
-    """Return by how much gains g, (N,), with pressures p, (M,), break limits; see `Solution.violations`."""
+    """Return by how much gains g, (N,), with pressures p, (M,), break limits; see `Solution.violations`.
+
+    at_quiet: pressures at the quiet points, (K,) [Pa], if they are known.
+    """
     found: dict[str, float] = {}
     for name, top, value in (
         ("gain", limits.gain, float(np.abs(g).max())),
@@ -36,7 +45,7 @@ def measure_violations(
             found[name] = value / top - 1.0
     if propagator.quiet is not None and limits.quiet is not None:
         limit = np.asarray(limits.quiet[1], np.float64)  # (K,) [Pa]
-        loud = np.abs(propagator.quiet.apply(g))
+        loud = np.abs(propagator.quiet.apply(g) if at_quiet is None else at_quiet)
         over = (loud - limit) / compute_excess_unit(propagator.quiet, limit)
         if len(over) and over.max() > TOLERANCE:
             found["quiet"] = float(over.max())
@@ -72,8 +81,10 @@ def _compute_zone_excess(propagator: Propagator, limits: Limits, targets: Target
 
 def _has_target_in_zone(propagator: Propagator, targets: Targets) -> bool:
     """Return whether any target that is not 0 is in a quiet zone, where gains make no sound."""
-    nulls = propagator.nulls
-    return nulls is not None and bool(targets.amplitudes[nulls.holds(propagator.points)].any())
+    quiet_subspace = propagator.quiet_subspace
+    return quiet_subspace is not None and bool(
+        targets.amplitudes[quiet_subspace.holds(propagator.points)].any()
+    )
 
 
 def measure_pressures(propagator: Propagator, g: Complexes) -> Complexes:
@@ -81,11 +92,34 @@ def measure_pressures(propagator: Propagator, g: Complexes) -> Complexes:
 
     The propagator has rows of 0 for these, so that solvers ask for nothing there.
     """
-    p, nulls, points = propagator.apply(g), propagator.nulls, propagator.points
-    inside = np.zeros(0, np.intp) if nulls is None else np.flatnonzero(nulls.holds(points))
+    p, quiet_subspace, points = propagator.apply(g), propagator.quiet_subspace, propagator.points
+    inside = (
+        np.zeros(0, np.intp)
+        if quiet_subspace is None
+        else np.flatnonzero(quiet_subspace.holds(points))
+    )
     if len(inside):
         p[inside] = propagator.compute_rows(inside) @ g
     return p
+
+
+def compute_objective(
+    targets: Targets,
+    p: Complexes,
+    g: Complexes,
+    mu: float,
+    quiet_weight: float,
+    miss: float | None = None,
+) -> float:
+    """Return 1/2 sum_m w_m |t_m - p_m|^2 + mu/2 ||g||^2 for targets t of fixed phases [Pa^2].
+
+    p: pressures, (M,) [Pa], of gains g, (N,). quiet_weight: w_m of points beside regions; other points have 1. miss:
+    relative error of p, if known.
+    """
+    rest = (targets.relative_error(p) if miss is None else miss) * targets.norm
+    quiet = p[targets.beside]
+    rest = rest * rest + quiet_weight * float(np.vdot(quiet, quiet).real)
+    return float(rest + mu * kernels.power(cast("Gains", g))) / 2.0
 
 
 def compute_bound(

@@ -13,7 +13,6 @@ from pacinian.solving.solution import Solution
 if TYPE_CHECKING:
     from pacinian.solving.problem import Targets
     from pacinian.solving.propagator import Propagator
-    from pacinian.types import Floats
 
 # A warm start is used if the number of points has changed by at most this share of it, plus one.
 MAX_COUNT_CHANGE = 1 / 4
@@ -34,7 +33,7 @@ def carry_over(propagator: Propagator, targets: Targets, warm: Solution) -> Solu
     if not M or not last:
         return None
     if warm.asked_phases is not None and targets.regions is not None:
-        return carry_regions(propagator, targets, warm, warm.points)
+        return carry_regions(propagator, targets, warm)
     if last == M:
         return warm
     alike = abs(last - M) <= MAX_COUNT_CHANGE * max(last, M) + 1
@@ -52,17 +51,15 @@ def _evaluate_here(propagator: Propagator, warm: Solution) -> Solution:
     )
 
 
-def carry_regions(
-    propagator: Propagator, targets: Targets, warm: Solution, before: Floats
-) -> Solution:
+def carry_regions(propagator: Propagator, targets: Targets, warm: Solution) -> Solution:
     """Return the last solution carried over to the present points, although samples may have come and gone.
 
-    before: the points of `warm`, (M', 3) [m]. Points that have all moved as one are the same. Otherwise, a point takes
-    over the phase and the multiplier of the earlier point at its place, after the motion of its whole region has been
-    subtracted. A new point takes over the phase of the nearest earlier point of its kind (in a region, isolated, or
-    beside regions) within 3 mm, or else that of the present sound there, and its multiplier is 0 (decision 72).
+    Points that have all moved as one are the same. Otherwise, a point takes over the phase and the multiplier of the
+    earlier point at its place, after the motion of its whole region has been subtracted. A new point takes over the
+    phase of the nearest earlier point of its kind (in a region, isolated, or beside regions) within 3 mm, or else that
+    of the present sound there, and its multiplier is 0 (decision 72).
     """
-    q, asked = propagator.points, warm.asked_phases
+    q, before, asked = propagator.points, warm.points, warm.asked_phases
     now, were = targets.regions, warm.targets.regions
     assert asked is not None
     assert now is not None

@@ -6,6 +6,7 @@ import gc
 import time
 import weakref
 from contextlib import contextmanager, suppress
+from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -163,10 +164,17 @@ class _Kit:
             require(one.backend == cls.name, f"find_devices() tells of backend {one.backend!r}")
 
     def capability(self) -> None:
-        """It is a Capability and does not change."""
+        """It is a Capability of plain numbers and does not change."""
         backend = self.make()
         before = backend.capability
         a(Capability, before, "capability")
+        plain = Capability(before.phases, before.amplitudes, before.rate, before.watchdog)
+        for field in fields(plain):
+            given, wanted = getattr(before, field.name), getattr(plain, field.name)
+            require(
+                type(given) is type(wanted) and given == wanted,
+                f"its {field.name} is {given!r}, not {wanted!r}",
+            )
         seen = [before]
         with suppress(BackendError):
             self.call(backend.open, self.array)

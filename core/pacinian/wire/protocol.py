@@ -19,7 +19,7 @@ SESSION = 16  # size of a session key [bytes]
 
 MAX_OBJECTS = 256  # objects in one message
 MAX_HANDS = 8  # hands in one message
-MAX_ZONES = 16  # quiet zones of one client
+MAX_ZONES = 16  # quiet zones of all clients of one scene
 MAX_SHOWN = 1024  # objects in the answer to `show`
 MAX_POINTS = 65_536  # points in one field query
 MAX_VERTICES = 50_000  # vertices of a mesh or polyline

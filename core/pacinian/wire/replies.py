@@ -140,7 +140,7 @@ class Abilities(Reply, frozen=True, kw_only=True, tag="abilities"):
 
     positions: positions of the transducers, (N, 3) float32 [m]. normals: unit normals of the transducers, (N, 3)
     float32. frequency: frequency of the ultrasound [Hz]. wavelength: wavelength of the ultrasound [m]. phases,
-    amplitudes: number of levels of the device. device_rate: frames per second that the device plays [Hz]. rate: ticks
+    amplitudes: number of levels of the device. device_rate: rows per second that the device plays [Hz]. rate: ticks
     per second [Hz]. limits: limits that no client can exceed, by name. sound: parameters of the field; since protocol
     1.1.
     """

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 def tabulate(rows: Iterable[Row]) -> Iterator[Table]:
     """Yield a table for each shape and strength. Percentages are of the request."""
     head = [
-        "[%]", "points", "force", "rms", "scaled\nrms", "holes", "beside", "at\nlimit", "status",
+        "[%]", "points", "force", "rms", "scaled\nrms", "holes", "spill", "at\nlimit", "status",
     ]  # fmt: skip
     for (name, strength, pressure), group in groupby(
         rows, lambda row: (row.shape, row.strength, row.pressure)
@@ -58,7 +58,7 @@ def tabulate_cost(costs: Iterable[Cost]) -> Table:
 
 def tabulate_contacts(contacts: Iterable[Contact]) -> Iterator[Table]:
     """Yield a table for each contact. Percentages are of the request."""
-    head = ["[%]", "points", "force", "rms", "holes", "beside", "at\nlimit"]
+    head = ["[%]", "points", "force", "rms", "holes", "spill", "at\nlimit"]
     for name, group in groupby(contacts, lambda contact: contact.contact):
         lines = [
             [

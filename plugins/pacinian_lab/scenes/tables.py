@@ -38,7 +38,7 @@ def scenes(rows: Sequence[Row]) -> Table:
 def tabulate_felt(rows: Sequence[Row]) -> Table:
     """Return a table of what each scene makes the skin feel, compared with its request."""
     head = [
-        "", "error at\nsamples", "force", "rms\nerror", "holes", "beside", "left\nout",
+        "", "error at\nsamples", "force", "rms\nerror", "holes", "spill", "left\nout",
     ]  # fmt: skip
     lines = [
         [

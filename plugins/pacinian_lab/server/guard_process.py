@@ -12,7 +12,7 @@ import numpy as np
 
 from pacinian.closeable import Closeable
 from pacinian.errors import ServerError
-from pacinian.serving.ipc import child_process
+from pacinian.serving.ipc import launch_config, launched_child
 from pacinian.serving.ipc.messages import (
     CAPACITIES,
     DeviceStatus,
@@ -21,7 +21,7 @@ from pacinian.serving.ipc.messages import (
     compute_frame_capacity,
     open_wakes,
 )
-from pacinian.serving.ipc.shared_memory import SharedRegister, folder
+from pacinian.serving.ipc.shared_memory import SharedRegister, open_folder
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -34,8 +34,8 @@ PROMPT = 100e-6  # [s] longest time to write a value; runs with a slower write d
 POLL_INTERVAL = 50e-6  # [s] between polls
 PARENT = """
 import time
-from pacinian.serving.ipc import child_process
-started = child_process.start("guard", child_process.Parent().config)
+from pacinian.serving.ipc import launched_child, parent_link
+started = launched_child.start_child("guard", parent_link.Parent().config)
 time.sleep(3600)
 """
 
@@ -47,23 +47,23 @@ class GuardProcess(Closeable):
         self._array = settings.array.make()
         self._levels = levels(self._array)
         self._stack = ExitStack()
-        self._folder = self._stack.enter_context(folder())
+        self._folder = self._stack.enter_context(open_folder())
         sizes = {**CAPACITIES, "frame": compute_frame_capacity(len(self._array))}
-        names = "permit", "frame", "requested_settings", "device"
+        names = "permit", "frame", "selections", "device"
         self._memory = {
             path.name: SharedRegister.create(path, sizes[path.name], open_wakes(path))
             for path in map(self._folder.joinpath, names)
         }
         self._epoch = self._sequence = 0
-        config = child_process.LaunchConfig(str(self._folder), settings)
+        config = launch_config.LaunchConfig(str(self._folder), settings)
         if orphan:
-            self.process = child_process.launch([sys.executable, "-c", PARENT], config)
+            self.process = launched_child.start_command([sys.executable, "-c", PARENT], config)
         else:
-            self.process = child_process.start("guard", config)
+            self.process = launched_child.start_child("guard", config)
 
     def close(self) -> None:
         """End the process, and remove what it shares."""
-        child_process.end(self.process)
+        launched_child.end_child(self.process)
         for memory in self._memory.values():
             memory.close()
         self._stack.close()

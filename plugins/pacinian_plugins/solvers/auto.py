@@ -6,7 +6,6 @@ import functools
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
-import numpy as np
 from msgspec import Meta
 
 import pacinian as pc
@@ -77,7 +76,7 @@ class Auto(pc.Solver):
         """Solve with the selected solver; see `pacinian.Solver.solve`."""
         count = len(targets.amplitudes)
         solver, why = self._several, "several points"
-        if limits.solver_limits or limits.power is not None:
+        if limits.couples_gains:
             why = "limits besides that of gains"
         elif targets.regions is not None:
             why = "regions"
@@ -95,7 +94,7 @@ class Auto(pc.Solver):
             why = "more points than transducers, at their limit"
         result = solver.solve(propagator, targets, limits, warm, budget, out)
         simple = targets.regions is None and targets.scale == "exact"
-        simple = simple and not limits.solver_limits and limits.power is None
+        simple = simple and not limits.couples_gains
         if (
             simple
             and count <= len(out)
@@ -127,7 +126,7 @@ class Auto(pc.Solver):
         self, propagator: pc.Propagator, targets: pc.Targets, limits: pc.Limits, out: pc.Gains
     ) -> bool:
         """Return whether gains, (N,), keep their limit, and are optimal (all phases given) or meet `error`."""
-        top = np.inf if limits.gain is None else limits.gain
+        top = limits.top_gain
         if not kernels.peak(out) <= top * top:
             return False
         return not targets.free.any() or targets.relative_error(propagator.apply(out)) <= self.error

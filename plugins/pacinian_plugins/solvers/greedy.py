@@ -80,7 +80,7 @@ class Greedy(pc.Solver):
         h, p = parts[0][0] + 1j * parts[0][1], parts[1][0] + 1j * parts[1][1] + fixed
         asked = np.where(targets.free, t * np.exp(1j * np.angle(p)), fixed)
         best = complex(np.vdot(p, asked) / (np.vdot(p, p).real or 1.0))  # multiple
-        top = np.inf if limits.gain is None else limits.gain
+        top = limits.top_gain
         size = drive if targets.scale == "max" else min(drive * abs(best), top)
         out[:] = h * (best / (abs(best) or 1.0) * size)
         return pc.Result(iterations=done, limited=size >= AT_LIMIT * top, late=late)

@@ -43,7 +43,7 @@ class SingleFocus(pc.Solver):
         if not reach:
             return pc.Result(note="no transducer reaches the focus")
         wanted = targets.complex(np.zeros(len(targets.amplitudes)))[m] / reach  # as a complex gain
-        top = np.inf if limits.gain is None else limits.gain
+        top = limits.top_gain
         limited = bool(abs(wanted) > top)
         if limited:
             wanted *= top / abs(wanted)

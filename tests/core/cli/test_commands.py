@@ -10,8 +10,9 @@ import subprocess
 import sys
 import threading
 import time
+import tomllib
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar, cast
 
 import click
 import msgpack
@@ -28,10 +29,17 @@ from pacinian.rendering import renderer
 from pacinian.testing import ManualClock
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from pacinian.plugins.hookspecs import CommandGroup
 
 LIMIT = 200.0  # ends a test that hangs [s]
 EXAMPLE = Path(__file__).parents[3] / "examples" / "ball.toml"
+SCRIPT: str = tomllib.loads((EXAMPLE.parents[1] / "pyproject.toml").read_text("utf-8"))["project"][
+    "scripts"
+]["pacinian"]
+# as in the script that pip installs
+ENTRY_POINT = "import sys; from {0} import {1}; sys.exit({1}())".format(*SCRIPT.split(":"))
 
 
 @pytest.fixture(autouse=True)
@@ -250,6 +258,136 @@ def test_a_solver_that_ends_the_program_is_an_error_and_not_silence(
     assert r"SystemExit(3)" in str(error)
 
 
+class Broken(pc.Backend):
+    """A backend of which one part fails."""
+
+    name: ClassVar[str] = "broken"
+    part, error = "open", BaseException()
+    capability: Any = pc.Capability()
+
+    def fail(self, part: str) -> None:
+        if part == self.part:
+            raise self.error
+
+    def open(self, array: pc.Array) -> None:
+        self.fail("open")
+
+    def send(self, frame: pc.Frame) -> None:
+        self.fail("send")
+
+    def silence(self) -> None:
+        self.fail("silence")
+
+    def close(self) -> None:
+        self.fail("close")
+
+
+def offer(monkeypatch: pytest.MonkeyPatch, cls: Any) -> None:
+    """Install a solver or a backend beside the others."""
+    from pacinian.plugins import registry
+
+    plugins, kind = registry.Plugins(), "solver" if issubclass(cls, pc.Solver) else "backend"
+    plugins.offers[cast("registry.Kind", kind), cls.name] = registry.Offer(
+        cast("registry.Kind", kind), cls, cls.name, "here"
+    )
+    monkeypatch.setattr(registry, "discover_plugins", lambda: plugins)
+
+
+@pytest.mark.parametrize("strict", [False, True])
+@pytest.mark.parametrize("error", [RuntimeError("boom"), OSError("no port")])
+def test_a_backend_that_cannot_be_opened_is_named(
+    monkeypatch: pytest.MonkeyPatch, error: Exception, strict: bool
+) -> None:
+    offer(monkeypatch, Broken)
+    monkeypatch.setattr(Broken, "error", error)
+    options = ["--strict"] if strict else []
+    found = run("render", str(EXAMPLE), "--backend", "broken", *options).exception
+    assert isinstance(found, pc.PluginError)
+    assert str(found).startswith("backend 'broken'")
+    assert type(error).__name__ in str(found)
+    assert ("solver 'auto'" in str(found)) == strict  # which is then tried, too
+
+
+@pytest.mark.parametrize("part", ["open", "send"])
+@pytest.mark.parametrize(
+    ("error", "says"),
+    [
+        (RuntimeError("boom"), "backend 'broken' failed: RuntimeError: boom"),
+        (SystemExit(0), "the solver or the backend ended the run by SystemExit(0)"),
+    ],
+)
+def test_a_backend_that_fails_in_a_replay_is_an_error(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, part: str, error: BaseException, says: str
+) -> None:
+    record = tmp_path / "run.pac"
+    assert not run("render", str(EXAMPLE), "--seconds", "0.01", "--record", str(record)).exception
+    offer(monkeypatch, Broken)
+    monkeypatch.setattr(Broken, "part", part)
+    monkeypatch.setattr(Broken, "error", error)
+    can = pc.Recording(record).capability
+    monkeypatch.setattr(Broken, "capability", can)
+    found = run("replay", str(record), "--backend", "broken").exception
+    assert isinstance(found, pc.PluginError)
+    assert str(found).startswith(says)
+    monkeypatch.setattr(Broken, "capability", None)
+    found = run("replay", str(record), "--backend", "broken").exception
+    assert "`capability` must be" in str(found)
+
+
+def test_a_backend_that_ends_the_program_when_it_is_opened_is_an_error(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    offer(monkeypatch, Broken)
+    monkeypatch.setattr(Broken, "error", SystemExit(0))
+    found = run("render", str(EXAMPLE), "--backend", "broken").exception
+    assert isinstance(found, pc.PluginError)
+    assert "SystemExit(0)" in str(found)
+
+
+def test_a_solver_that_cannot_be_made_ends_no_command(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Quits(pc.Solver):
+        name: ClassVar[str] = "quits"
+
+        def __init__(self) -> None:
+            sys.exit(0)
+
+        def solve(self, *_: Any) -> pc.Result:
+            return pc.Result()
+
+    offer(monkeypatch, Quits)
+    for command in (("render", str(EXAMPLE)), ("demo",)):
+        found = run(*command, "--solver", "quits").exception
+        assert isinstance(found, pc.PacinianError)
+        assert "solver 'quits' cannot be made: SystemExit: 0" in str(found)
+
+
+def test_a_solver_that_ends_the_demo_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("pacinian.session.Session.solve", lambda *_, **__: sys.exit(0))
+    error = run("demo", "--seconds", "0.1", "--units", "1", "--out", "").exception
+    assert isinstance(error, pc.PluginError)
+    assert "SystemExit" in str(error)
+
+
+def test_a_solver_that_ends_a_rendering_again_is_an_error(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    record = tmp_path / "run.pac"
+    assert not run("render", str(EXAMPLE), "--seconds", "0.01", "--record", str(record)).exception
+    monkeypatch.setattr("pacinian.session.Session.solve", lambda *_, **__: sys.exit(0))
+    error = run("replay", str(record), "--again").exception
+    assert isinstance(error, pc.PluginError)
+    assert "SystemExit" in str(error)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such files")
+def test_a_pipe_is_refused_as_a_recording(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(renderer.Renderer, "open", lambda _: pytest.fail("it waits for a reader"))
+    os.mkfifo(tmp_path / "pipe")
+    result = run("render", str(EXAMPLE), "--record", str(tmp_path / "pipe"))
+    assert result.exit_code == 2
+    assert "is a pipe or a socket" in result.output
+
+
 def test_render_lets_the_solver_be_chosen() -> None:
     seen = told("render", str(EXAMPLE), "--seconds", "0.05", "--solver", "gs-pat")
     assert seen["solver"] == "gs-pat"
@@ -363,9 +501,24 @@ def test_every_command_explains_itself() -> None:
     assert "Exit codes" in run("--help").stdout
 
 
-def test_sigterm_ends_a_run_in_silence_with_its_summary_and_a_whole_recording(
-    tmp_path: Path,
+@pytest.fixture
+def end_of_terminal() -> Iterator[None]:
+    """Let processes that start now get SIGHUP, which is ignored under nohup."""
+    if sys.platform == "win32":
+        yield
+        return
+    before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    yield
+    signal.signal(signal.SIGHUP, before)
+
+
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP"])
+def test_a_signal_ends_a_run_in_silence_with_its_summary_and_a_whole_recording(
+    name: str, tmp_path: Path, end_of_terminal: None
 ) -> None:
+    number = getattr(signal, name, None)
+    if number is None:
+        pytest.skip("this system has no such signal")
     record = tmp_path / "run.pac"
     with subprocess.Popen(
         [sys.executable, "-m", "pacinian", "render", str(EXAMPLE), "--seconds", "1000", "--json",
@@ -377,7 +530,7 @@ def test_sigterm_ends_a_run_in_silence_with_its_summary_and_a_whole_recording(
             while not (record.exists() and record.stat().st_size > 500_000):
                 assert time.monotonic() < end
                 time.sleep(0.02)  # real time, because the other process has its own clock
-            child.send_signal(signal.SIGTERM)
+            child.send_signal(number)
             out, _ = child.communicate(timeout=LIMIT)
         except BaseException:
             child.kill()
@@ -390,6 +543,42 @@ def test_sigterm_ends_a_run_in_silence_with_its_summary_and_a_whole_recording(
     again = told("replay", str(record), "--again")  # in this process, from the other's recording
     assert again["different"] == 0
     assert again["ticks"] > 1
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such signal")
+def test_a_command_survives_the_end_of_the_terminal_under_nohup(
+    monkeypatch: pytest.MonkeyPatch, end_of_terminal: None
+) -> None:
+    terminated = signal.getsignal(signal.SIGTERM)
+    monkeypatch.setattr(sys, "argv", ["pacinian", "--version"])
+    try:
+        for handler, ignored in ((signal.SIG_IGN, True), (signal.SIG_DFL, False)):
+            signal.signal(signal.SIGHUP, handler)
+            with pytest.raises(SystemExit):
+                main()
+            assert (signal.getsignal(signal.SIGHUP) is signal.SIG_IGN) == ignored
+            assert signal.getsignal(signal.SIGHUP) is not signal.SIG_DFL
+    finally:
+        signal.signal(signal.SIGTERM, terminated)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows sends Ctrl-C to all of a console")
+@pytest.mark.parametrize(
+    "program", [["-m", "pacinian"], ["-c", ENTRY_POINT]], ids=["module", "script"]
+)
+def test_ctrl_c_while_the_command_is_imported_prints_no_traceback(
+    program: list[str], tmp_path: Path
+) -> None:
+    interrupts = (
+        "import os, signal\nos.kill(os.getpid(), signal.SIGINT)\nraise ImportError('late')\n"
+    )
+    (tmp_path / "click.py").write_text(interrupts)
+    done = subprocess.run(
+        [sys.executable, *program, "plugins"],
+        env={**os.environ, "PYTHONPATH": str(tmp_path)},
+        capture_output=True, text=True, timeout=LIMIT, check=False,
+    )  # fmt: skip
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "interrupted\n")
 
 
 def test_it_works_without_display_home_or_matplotlib(tmp_path: Path) -> None:

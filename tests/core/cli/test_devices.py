@@ -47,7 +47,7 @@ class Mine(pc.Backend):
     @classmethod
     def find_devices(cls) -> Iterable[pc.FoundDevice]:
         for one in cls.shelf:
-            if isinstance(one, Exception):
+            if isinstance(one, BaseException):
                 raise one
             yield one
 
@@ -113,6 +113,32 @@ def test_a_backend_that_fails_to_look_is_told_and_takes_nothing_down(plugins: An
     Mine.shelf[:] = [READY, OSError("no USB here")]
     (one,) = device_discovery.list_connected(plugins)
     assert "OSError: no USB here" in one.problem
+
+
+def test_a_backend_that_ends_the_program_does_not_hide_the_devices_of_others(plugins: Any) -> None:
+    class Other(Mine):
+        name: ClassVar[str] = "other"
+        shelf: ClassVar[list[Any]] = [SystemExit(0)]
+
+    plugins.offers["backend", "other"] = Offer("backend", Other, "other", "here")
+    Mine.shelf[:] = [READY]
+    ready, failed = device_discovery.list_connected(plugins)
+    assert ready == READY
+    assert "SystemExit: 0; a plug-in must not end the program" in failed.problem
+
+
+def test_what_a_device_calls_itself_does_not_control_the_terminal(
+    plugins: Any, tmp_path: Path
+) -> None:
+    Mine.shelf[:] = [pc.FoundDevice("mine", "\x1b[2J\udcff", "an \x1b[31marray\r", "not\x07 yours")]
+    _, told = run()
+    assert re.search(r"mine +\?\[2J\? +an \?\[31marray\? +cannot be used", told)
+    assert "mine ?[2J?: not? yours" in told
+    path = tmp_path / "d.toml"
+    path.write_text('backend = "mine"\n[[boards]]\nserial = "A"\n')
+    checked = run("check", path)[1]
+    assert "connected: ?[2J?" in checked
+    assert not re.search(r"[\x07\x0d\x1b]", told + checked)
 
 
 def test_two_of_one_serial_are_a_problem_of_both(plugins: Any) -> None:

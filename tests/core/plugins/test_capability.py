@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from typing import Any
 
+import msgspec
 import numpy as np
 import pytest
 from hypothesis import given
@@ -84,3 +85,36 @@ def test_a_frame_s_gains_are_of_the_table() -> None:
     np.testing.assert_allclose(made, PULSES * np.exp(2j * np.pi * level / 64.0), atol=1e-6)
     with pytest.raises(IndexError):
         frame.gains(pc.Capability(128, 64))
+
+
+@pytest.mark.parametrize("count", [int, float, np.int64, np.float64, np.uint16])
+@pytest.mark.parametrize("real", [int, np.int64, np.float32, np.float64, np.uint16])
+def test_numbers_of_any_type_are_stored_as_plain_ones(count: Any, real: Any) -> None:
+    can = pc.Capability(count(16), count(32), real(2000), real(1))
+    assert can == pc.Capability(16, 32, 2000.0, 1.0)
+    assert [type(value) for value in dataclasses.astuple(can)] == [int, int, float, float]
+    assert msgspec.msgpack.encode(dataclasses.astuple(can))
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("rate", "x"),
+        ("rate", None),
+        ("rate", np.nan),
+        ("rate", 0.5),
+        ("rate", 1e7),
+        ("watchdog", "x"),
+        ("watchdog", -1.0),
+        ("watchdog", 0.0),
+        ("watchdog", np.float32(np.nan)),
+        ("watchdog", np.inf),
+        ("watchdog", 1j),
+        ("phases", 16.5),
+        ("phases", True),
+    ],
+)
+def test_a_number_that_no_device_has_is_refused_by_its_name(name: str, value: Any) -> None:
+    with pytest.raises(pc.ArgumentError, match=f"`{name}` must be") as raised:
+        pc.Capability(**{name: value})
+    assert raised.value.argument == name

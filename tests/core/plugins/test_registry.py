@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 import pacinian as pc
-from pacinian.plugins import hookspecs
+from pacinian.plugins import hookspecs, registry
 
 ROOT = Path(__file__).parents[3]
 GOOD = '''
@@ -156,6 +156,50 @@ def test_an_option_that_does_not_exist_is_refused_with_those_that_do() -> None:
 def test_a_bad_value_of_an_option_is_named() -> None:
     with pytest.raises(pc.ArgumentError, match="`mu`"):
         pc.solver("lagrange", mu=-1.0)
+
+
+@pytest.mark.parametrize("code", ["0", "3"])
+def test_a_constructor_that_ends_the_program_is_an_error(write: Any, code: str) -> None:
+    source = GOOD.format(name="plane").replace("self.tilt = tilt", f"raise SystemExit({code})")
+    plugins = pc.Plugins([write("plane", source)])
+    with pytest.raises(pc.PluginError, match=rf"'plane'.*SystemExit: {code}.*uninstall it"):
+        plugins.make("solver", "plane", {})
+
+
+BACKEND = """
+import pacinian as pc
+
+class Device(pc.Backend):
+    name = "device"
+    @property
+    def capability(self):
+        {capability}
+    def open(self, array): ...
+    def send(self, frame): ...
+    def silence(self): ...
+    def close(self): ...
+
+@pc.hookimpl
+def register_backends():
+    return [Device]
+"""
+
+
+@pytest.mark.parametrize(
+    ("capability", "why"),
+    [
+        ("return None", "`capability` must be a pacinian.Capability, not None"),
+        ("raise RuntimeError('boom')", "RuntimeError: boom"),
+        ("raise SystemExit(0)", "SystemExit: 0.*uninstall it"),
+    ],
+)
+def test_a_backend_without_a_capability_is_named(write: Any, capability: str, why: str) -> None:
+    plugins = pc.Plugins([write("device", BACKEND.format(capability=capability))])
+    device: Any = plugins.make("backend", "device", {})
+    with pytest.raises(pc.PluginError, match=f"backend 'device'.*{why}"):
+        pc.Renderer(pc.autd(), pc.Scene(), backend=device)
+    with pytest.raises(pc.PluginError, match="backend 'device'"):
+        registry.read_capability(device)
 
 
 def test_every_file_of_ours_is_an_entry_point() -> None:

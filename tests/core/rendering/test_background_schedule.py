@@ -33,11 +33,11 @@ bounded = settings(max_examples=60)
 
 
 def beside() -> BackgroundSchedule:
-    """Return a schedule whose solves run beside the ticks, after enough long ticks."""
+    """Return a schedule whose solves run in the background, after enough long ticks."""
     schedule = BackgroundSchedule(PERIOD)
     for _ in range(MIN_LONG_TICKS):
         schedule.note_tick(1.1 * LONG_SHARE * PERIOD)
-    assert schedule.beside
+    assert schedule.in_background
     return schedule
 
 
@@ -45,7 +45,7 @@ def count_solves(schedule: BackgroundSchedule, seconds: float, most: int) -> int
     """Return the number of such solves until ticks solve again; more than `most` if they do not."""
     for k in range(most):
         schedule.note_solve(seconds)
-        if not schedule.beside:
+        if not schedule.in_background:
             return k + 1
     return most + 1
 
@@ -58,18 +58,18 @@ def test_solves_leave_the_ticks_where_many_are_long_and_not_for_a_few() -> None:
     for _ in range(TICKS_SEEN):
         schedule.note_tick(0.5 * LONG_SHARE * PERIOD)
     for _ in range(MIN_LONG_TICKS):
-        assert not schedule.beside
+        assert not schedule.in_background
         schedule.note_tick(1.1 * LONG_SHARE * PERIOD)
-    assert schedule.beside
+    assert schedule.in_background
 
 
 def test_two_successive_ticks_that_are_far_too_long_suffice() -> None:
     schedule = BackgroundSchedule(PERIOD)
     for seconds in (1.1, 0.1, 1.1):
         schedule.note_tick(seconds * FAR_TOO_LONG * PERIOD)
-        assert not schedule.beside
+        assert not schedule.in_background
     schedule.note_tick(1.1 * FAR_TOO_LONG * PERIOD)
-    assert schedule.beside
+    assert schedule.in_background
 
 
 def test_solves_that_fit_go_back_into_the_ticks_later_after_each_relapse() -> None:
@@ -87,7 +87,7 @@ def test_solves_of_fewer_samples_than_were_asked_for_do_not_fit() -> None:
     schedule = beside()
     for _ in range(2 * MAX_FITTING):
         schedule.note_solve(0.1 * SHORT_SHARE * PERIOD, whole=False)
-    assert schedule.beside
+    assert schedule.in_background
 
 
 @bounded
@@ -159,7 +159,7 @@ def test_solves_are_never_more_frequent_than_needed_nor_rarer_than_motion_allows
 
 @pytest.mark.parametrize(("rate", "ticks"), [(20.0, 1), (100.0, 1), (250.0, 3), (4000.0, 48)])
 def test_the_intervals_are_times_whatever_the_rate(rate: float, ticks: int) -> None:
-    schedule = BackgroundSchedule(1.0 / rate, beside=True)
+    schedule = BackgroundSchedule(1.0 / rate, in_background=True)
     assert schedule.begin_solve(False)
     began = 0
     while True:
@@ -178,4 +178,4 @@ def test_ticks_that_solve_while_solves_run_beside_them_do_not_count() -> None:
         schedule.note_tick(9.0 * PERIOD)
     count_solves(schedule, 0.1 * SHORT_SHARE * PERIOD, 2 * MAX_FITTING)
     schedule.note_tick(9.0 * PERIOD)
-    assert not schedule.beside
+    assert not schedule.in_background

@@ -1,4 +1,4 @@
-"""Solves beside the ticks: frames are on time however long a solve takes, and nothing else changes."""
+"""Solves in the background: frames are on time however long a solve takes, and nothing else changes."""
 
 from __future__ import annotations
 
@@ -19,13 +19,16 @@ from pacinian.rendering.background_schedule import REST_INTERVAL, BackgroundSche
 from pacinian.rendering.background_solve import BackgroundSolve
 from pacinian.rendering.emitted_measurement import Probe
 from pacinian.rendering.measurement_schedule import TICKS_PER_MEASUREMENT
-from pacinian.rendering.pipeline import WAIT_FOR_SOLVE_AFTER, Pipeline
+from pacinian.rendering.pipeline import WAIT_FOR_SOLVE_AFTER
 from pacinian.rendering.rerender import rerender
+from pacinian.rendering.scene_solver import SceneSolver
+from pacinian.rendering.steered_solver import STEERED_TIME_FACTOR
 from pacinian.scene.config_sections import DEFAULT_BUDGET
 from pacinian.scene.modulation.technique import AM
 from pacinian.scene.motion import Motion
 from pacinian.testing import ManualClock
 from pacinian_plugins.backends.simulated import Simulated
+from pacinian_plugins.solvers.lagrange.solver import Lagrange
 
 from .manual_background import ManualBackground, solve_beside
 
@@ -212,7 +215,7 @@ def test_an_error_in_a_solve_beside_the_ticks_silences_and_is_told_as_in_a_tick(
     renderer, device = make(at, solver=solver, sampler=sampler)
     with renderer:
         renderer.tick(0.0)
-        renderer.schedule.beside = True
+        renderer.schedule.in_background = True
         renderer.tick(TICK)
         (solver if stage == "solve" else sampler).broken = True
         for k in range(2, 200):
@@ -282,7 +285,7 @@ def test_a_region_at_rest_is_solved_once_without_a_deadline() -> None:
         scene[0] = pc.Scene((moved,))
         for k in range(1000, 1200):
             renderer.tick(k * TICK)
-            if renderer._pipeline._unhurried:
+            if renderer._pipeline.deadline.unhurried:
                 break
         background.ready, started = False, background.started
         for more in range(k + 1, k + 200):  # however long it takes, the ticks go on
@@ -313,11 +316,72 @@ def test_what_begins_to_move_after_a_rest_has_a_deadline_at_once(rested: int) ->
             x = 1e-4 * (k - rested + 1)
             scene[0] = pc.Scene((replace(disc, pose=pc.Pose((x, 0.0, 0.15))),))
             renderer.tick(k * TICK)
-            assert not renderer._pipeline._unhurried
+            assert not renderer._pipeline.deadline.unhurried
+
+
+class Listening(Lagrange):
+    """Notes whether each solve without a deadline is cancelled."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.cancelled: list[bool] = []
+
+    def solve(
+        self, propagator: Any, targets: Any, limits: Any, warm: Any, budget: Any, g: Any
+    ) -> Any:
+        if budget.endless:
+            self.cancelled.append(budget.spent)
+        return super().solve(propagator, targets, limits, warm, budget, g)
+
+
+@pytest.mark.parametrize("moves", [False, True])
+def test_a_solve_without_a_deadline_ends_when_the_scene_changes(moves: bool) -> None:
+    disc = pc.Surface(
+        name="disc", shape=pc.Disc(0.015), pose=pc.Pose((0.0, 0.0, 0.15)), radiation_pressure=1.0
+    )
+
+    def begin() -> Any:
+        scene, solver = [pc.Scene((disc,))], Listening()
+        renderer, _ = make(lambda t: scene[0], solver=solver)
+        renderer.open()
+        renderer.tick(0.0)
+        return scene, solver, renderer, solve_beside(renderer)
+
+    _, solver, renderer, _ = begin()
+    solver.cancelled, solved = [], 0
+    while not solver.cancelled:
+        solved += 1
+        renderer.tick(solved * TICK)
+    renderer.close()
+    scene, solver, renderer, background = begin()
+    for k in range(1, solved):
+        renderer.tick(k * TICK)
+    solver.cancelled, background.ready, started = [], False, background.started
+
+    def play(first: int, last: int) -> int:
+        """Run ticks until the result is taken, and return which is the last."""
+        for k in range(first, last):
+            renderer.clock.wait_until(k * TICK)
+            renderer.tick(k * TICK)
+            if background.started > started:
+                return k
+        return last
+
+    assert play(solved, solved + 100) == solved + 100, "the ticks go on"
+    if moves:
+        scene[0] = pc.Scene((replace(disc, pose=pc.Pose((0.02, 0.0, 0.15))),))
+        waited = play(solved + 100, solved + 200) - (solved + 100)
+        assert waited <= STEERED_TIME_FACTOR * WAIT_FOR_SOLVE_AFTER / TICK + 2
+    else:
+        background.ready = True
+        play(solved + 100, solved + 101)
+    renderer.close()
+    assert solver.cancelled
+    assert all(solver.cancelled) if moves else not any(solver.cancelled)
 
 
 def test_equal_limits_of_each_tick_are_the_same_limits() -> None:
-    """A scene function may set them in each tick; only new values end the solves beside the ticks."""
+    """A scene function may set them in each tick; only new values end the solves in the background."""
     renderer, _ = make(at)
     with renderer:
         renderer.tick(0.0)
@@ -471,16 +535,16 @@ def test_what_is_heard_of_a_solve_beside_the_ticks_is_what_the_device_emits(name
 def test_what_is_heard_of_a_still_scene_is_computed_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """Nor does a still scene begin many solves."""
     counted = Counter[str]()
-    hear = Pipeline._compute_sample_pressures
+    hear = SceneSolver._compute_pressures
 
-    def count(self: Pipeline, *arguments: Any) -> Any:
+    def count(self: SceneSolver, *arguments: Any) -> Any:
         counted["heard"] += 1
         return hear(self, *arguments)
 
-    monkeypatch.setattr(Pipeline, "_compute_sample_pressures", count)
+    monkeypatch.setattr(SceneSolver, "_compute_pressures", count)
     with pc.Renderer(ARRAY, SCENES["static-focus"](0.0), clock=ManualClock()) as renderer:
         background = solve_beside(renderer)
-        renderer._pipeline.schedule = BackgroundSchedule(TICK, beside=True)
+        renderer._pipeline.schedule = BackgroundSchedule(TICK, in_background=True)
         for k in range(1000):
             renderer.tick(k * TICK)
         assert counted["heard"] <= 1 + renderer.report.solves
@@ -497,7 +561,7 @@ def test_a_scene_that_is_emptied_is_silent_within_the_time_that_a_client_has_to_
     renderer, _ = make(lambda t: scene[0])
     with renderer:
         background = renderer._pipeline.background = ManualBackground()
-        renderer.schedule.beside, begun, count = True, 0, 0
+        renderer.schedule.in_background, begun, count = True, 0, 0
         for k in range(200):
             if background.started > count:
                 begun, count = k, background.started
@@ -521,7 +585,7 @@ def test_a_reset_leaves_nothing_of_a_tick_without_a_frame_in_the_schedule() -> N
     renderer, device = make(at)
     with renderer:
         renderer.tick(0.0)
-        renderer.schedule.beside = True
+        renderer.schedule.in_background = True
         for k in range(1, 12):
             renderer.tick(k * TICK)
         for fault in (False, True):
@@ -529,9 +593,9 @@ def test_a_reset_leaves_nothing_of_a_tick_without_a_frame_in_the_schedule() -> N
                 device.stall()
                 renderer.tick(12 * TICK)
                 device.resume()
-                renderer.schedule.beside = False  # as after a solve that fits
+                renderer.schedule.in_background = False  # as after a solve that fits
             renderer.reset()
-            assert renderer.schedule == BackgroundSchedule(renderer.period, beside=True)
+            assert renderer.schedule == BackgroundSchedule(renderer.period, in_background=True)
 
 
 def test_solves_run_after_a_reset_where_they_ran_before() -> None:
@@ -541,7 +605,7 @@ def test_solves_run_after_a_reset_where_they_ran_before() -> None:
         solve_beside(renderer)
         renderer.tick(TICK)
         renderer.reset()
-        assert renderer.schedule.beside
+        assert renderer.schedule.in_background
         background = solve_beside(renderer)
         background.ready = False
         for k in range(2, 20):
@@ -555,7 +619,7 @@ def test_solves_run_after_a_reset_where_they_ran_before() -> None:
         )
         assert not renderer.report.faults
     with renderer:  # a replay also begins with solves in ticks
-        assert not renderer.schedule.beside
+        assert not renderer.schedule.in_background
 
 
 def test_a_deadline_is_longer_beside_the_ticks() -> None:
@@ -600,7 +664,7 @@ def test_a_real_thread_solves_while_ticks_go_on_and_ends_with_the_renderer() -> 
     before = set(threading.enumerate())
     with renderer:
         renderer.tick(0.0)
-        renderer.schedule.beside, solver.waits = True, True
+        renderer.schedule.in_background, solver.waits = True, True
         renderer.tick(TICK)
         assert enter.wait(60.0)
         for k in range(2, 20):
@@ -646,7 +710,7 @@ from pacinian.gallery import SCENES
 renderer = pc.Renderer(pc.autd(3, 3), SCENES["palm"])
 renderer.open()
 renderer.tick(0.0)
-renderer.schedule.beside = True
+renderer.schedule.in_background = True
 for k in range(1, 40):
     renderer.tick(1e-3 * k)
 assert renderer._pipeline.background.running
@@ -682,8 +746,8 @@ def test_a_recording_comes_out_the_same_whenever_solves_are_done(
                 renderer.session.solver = "gs-pat"
             renderer.tick(k * TICK)
         assert not renderer.report.faults
-        assert renderer.schedule.beside is (name != "stm-circle")
-        assert (background.started > 5) is renderer.schedule.beside
+        assert renderer.schedule.in_background is (name != "stm-circle")
+        assert (background.started > 5) is renderer.schedule.in_background
     found = rerender(pc.Recording(path))
     assert (found.ticks, found.different) == (100, 0)
 

@@ -1,4 +1,4 @@
-"""Samples that creep: beside the ticks, a solve waits until they have moved a little.
+"""Samples that creep: in the background, a solve waits until they have moved a little.
 
 The field of one object is steered instead (test_steering.py), so there are two here.
 """
@@ -12,10 +12,10 @@ import pytest
 from msgspec.structs import replace
 
 import pacinian as pc
-from pacinian.rendering.sample_solver import MAX_PAUSE
+from pacinian.rendering.sample_solver import MAX_PAUSE, MAX_UNSOLVED_MOVEMENT
 from pacinian.testing import ManualClock
 
-ARRAY, NEAR = pc.autd(), 4e-4
+ARRAY, NEAR = pc.autd(), MAX_UNSOLVED_MOVEMENT
 BALL = pc.Volume(
     name="ball", shape=pc.Sphere(0.01), pose=pc.Pose((0.0, 0.0, 0.15)), radiation_pressure=0.5
 )
@@ -29,6 +29,7 @@ class Solving:
 
     def __init__(self) -> None:
         self.renderer = pc.Renderer(ARRAY, pc.Scene(), clock=ManualClock())
+        self.renderer.sample_solver.spares_solves = True
         self.sampler = pc.Sampler()
         self.sampler.prepare(ARRAY, pc.Air())
 
@@ -37,7 +38,7 @@ class Solving:
         samples = self.sampler.sample(pc.Scene((ball, STILL)), t)
         solver = self.renderer.session.solver
         limits = self.renderer.limits
-        return self.renderer.sample_solver.solve(samples, t, limits, solver, np.inf, NEAR)
+        return self.renderer.sample_solver.solve(samples, t, limits, solver, np.inf)
 
 
 def test_a_small_movement_needs_no_solve_until_it_adds_up() -> None:

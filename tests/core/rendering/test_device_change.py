@@ -138,7 +138,7 @@ def test_the_scene_that_is_shown_is_the_one_that_was_solved_for() -> None:
             background.ready = k % 2 == 0
             renderer.tick(k * 0.001)
             assert renderer.rendered_scene is scenes[5 if k < 8 else (k - 8) // 2 * 2 + 6]
-        renderer.schedule.beside = False
+        renderer.schedule.in_background = False
         for k in range(14, 17):
             renderer.tick(k * 0.001)
             assert renderer.rendered_scene is scenes[-1]

@@ -328,10 +328,10 @@ def test_what_sounds_is_not_lost_where_two_frames_become_one() -> None:
     free: Any = SimpleNamespace(solution=SimpleNamespace(late=False, saturation=0.0), final=False)
     cycle.consider(held)
     assert cycle.count == 2
-    cycle.keep(cycle.parts[1], free, 0.0)
+    cycle.keep(cycle.frames[1], free, 0.0)
     cycle.consider(free)
     assert cycle.count == 1
-    assert cycle.frames == (free,)
+    assert cycle.solutions == (free,)
 
 
 def test_a_frame_does_not_follow_the_errors_of_one_that_had_no_time() -> None:
@@ -346,7 +346,7 @@ def test_a_frame_does_not_follow_the_errors_of_one_that_had_no_time() -> None:
     held: Any = SimpleNamespace(solution=solution, ran_out_of_time=False)
     late: Any = SimpleNamespace(solution=solution, ran_out_of_time=True)
     cycle.consider(held)
-    part, other = cycle.parts
+    part, other = cycle.frames
     own, P = np.ones(len(samples), np.bool_), samples.radiation_pressure
 
     def find(made: float, solved: Any) -> Any:
@@ -479,7 +479,9 @@ def test_no_frame_is_asked_for_more_than_the_peak(peak: float) -> None:
     sent(renderer, 40, 4)
     cycle = renderer.sample_solver.cycle
     assert cycle.count > 1
-    asked = [part.solved.solution.targets.amplitudes.max() for part in cycle.parts if part.solved]
+    asked = [
+        frame.solved.solution.targets.amplitudes.max() for frame in cycle.frames if frame.solved
+    ]
     most = max(pc.radiation_pressure(t, AIR) for t in asked)
     assert 0.99 * peak < most <= (1.0 + 1e-6) * peak  # two bands in turn would need twice 1.5 Pa
     with pytest.raises(pc.ArgumentError, match="peak"):

@@ -108,7 +108,7 @@ def test_at_full_strength_all_is_as_it_was_solved_and_at_none_silent() -> None:
     np.testing.assert_allclose(strength, other.at(t), atol=1e-12)
     on, off = strength > 1.0 - 1e-9, strength < 1e-9
     assert len(loop.played.rows) == 1
-    assert loop.played.rows[0].parts is not None
+    assert loop.played.rows[0].contributions is not None
     solved = loop.played.rows[0].gains
     np.testing.assert_allclose(rows[on], np.broadcast_to(solved, rows[on].shape), atol=1e-6)
     assert not np.abs(rows[off]).max() > 1e-4
@@ -321,7 +321,7 @@ def test_different_envelopes_that_stand_still_change_no_faster_either() -> None:
     rate = 100.0
     loop = Loop(lambda t: pc.Scene(items if t < 0.02 else items[:1]), 2, rate)
     _, played = loop.run(20)
-    assert loop.played.rows[0].parts is not None
+    assert loop.played.rows[0].contributions is not None
     change = np.abs(np.diff(played, axis=0)).max()
     assert change <= rate * TICK / 2 * 1.05
     P = pressures(played[-1:], [LEFT, RIGHT])[0]

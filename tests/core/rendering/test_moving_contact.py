@@ -52,7 +52,7 @@ class Delayed(ManualBackground):
 
 
 class Beside(BackgroundSchedule):
-    """A schedule whose solves stay beside the ticks."""
+    """A schedule whose solves stay in the background."""
 
     def note_solve(self, seconds: float, whole: bool = True) -> None:
         pass
@@ -82,7 +82,7 @@ def carry(velocity: Floats) -> Callable[[float], pc.Scene]:
 def play(
     array: pc.Array, scene: Callable[[float], pc.Scene], seconds: float
 ) -> Iterator[tuple[float, Any, pc.Report]]:
-    """Render a scene with solves beside the ticks. Yields time [s], emitted gains and report after each tick."""
+    """Render a scene with solves in the background. Yields time [s], emitted gains and report after each tick."""
     clock, device = ManualClock(), Simulated(amplitudes=1 << 16, phases=1 << 16)
     renderer = pc.Renderer(array, scene, backend=device, clock=clock)
     with renderer:

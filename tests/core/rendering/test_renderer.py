@@ -457,7 +457,7 @@ def test_a_busy_moment_is_over_after_some_seconds_of_silence_though_a_hand_moves
     hands = [pc.Hand.open("right", pc.Pose((0.001 * k, 0.0, 0.4))) for k in range(2)]
     with renderer:
         renderer._pipeline.background = ManualBackground()
-        renderer._pipeline.schedule = BackgroundSchedule(renderer.period, beside=True)
+        renderer._pipeline.schedule = BackgroundSchedule(renderer.period, in_background=True)
         renderer.tick()
         renderer._pipeline._allowed = 32
         assert renderer.budget_controller is not None
@@ -467,7 +467,7 @@ def test_a_busy_moment_is_over_after_some_seconds_of_silence_though_a_hand_moves
             renderer.tick()
             clock.advance(renderer.period)
         assert renderer.report.solves == 2  # the point, and silence
-        assert not renderer.schedule.beside
+        assert not renderer.schedule.in_background
         assert renderer._pipeline._allowed == renderer.sampler.budget
 
 
@@ -695,7 +695,7 @@ def test_ticks_that_are_late_have_fewer_samples_until_there_is_time_again(
         assert (few < whole) is adaptive
         most = GOOD_SOLVE_TIME if technique.still else renderer.period  # that a solve may take [s]
         assert not adaptive or (few >= 16 and few * cost * solves <= most)
-        # includes solves beside the ticks, which this test runs in them
+        # includes solves in the background, which this test runs in them
         late = renderer.report.late_ticks
         assert adaptive is (late < 60) or (adaptive and technique.still)
         cost = 1e-7

@@ -472,7 +472,7 @@ def test_limits_that_change_while_a_measurement_runs_beside_change_no_frame(tmp_
     with renderer:
         pipeline = renderer._pipeline
         for k in range(420):
-            clock.each = 4e-5 if k < 60 else 0.0  # solves move beside the ticks
+            clock.each = 4e-5 if k < 60 else 0.0  # solves move in the background
             clock.time = max(clock.time, renderer.start + k * TICK)
             if begun is None and k > 130 and pipeline._measures and pipeline.background.running:
                 begun = k

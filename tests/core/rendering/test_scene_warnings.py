@@ -211,7 +211,7 @@ def test_a_device_whose_rate_fits_no_tick_is_a_warning(
     renderer = pc.Renderer(pc.autd(), pc.Scene((point,)), backend=backend, rate=loop, clock=clock)
     with renderer:
         renderer.tick()
-    found = [text for text in renderer.report.warnings if "frames a second" in text]
+    found = [text for text in renderer.report.warnings if "rows a second" in text]
     assert bool(found) is warned
     if device == 1600.0:
         assert "0.8 times" in found[0]

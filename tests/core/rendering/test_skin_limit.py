@@ -329,7 +329,7 @@ def test_groups_are_limited_in_whatever_phase_of_their_envelopes() -> None:
             if k % 2:
                 reached = max(reached, highest(row, hand, k))
     assert isinstance(renderer.played.rows[-1].groups, EnvelopeGroups)
-    assert renderer.played.rows[-1].parts is not None
+    assert renderer.played.rows[-1].contributions is not None
     assert 0.5 * 5.0 < reached <= 5.0 * (1.0 + TOLERANCE)
 
 

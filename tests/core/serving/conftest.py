@@ -40,11 +40,11 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from pacinian.serving.ipc.child_pipe import ChildPipe
-    from pacinian.serving.ipc.child_process import LaunchConfig
+    from pacinian.serving.ipc.launch_config import LaunchConfig
 
 
 class Pretender:
-    """A fake process. It sends a heartbeat at each `poll`, and answers all orders."""
+    """A fake process. It sends a heartbeat at each `poll`, and answers all selections."""
 
     pid = 7
 
@@ -124,7 +124,7 @@ class Server:
 
     def _run(self) -> None:
         try:
-            serve(self.settings, start=self._start, ending=self.ending)
+            serve(self.settings, start_child=self._start, ending=self.ending)
         except BaseException as error:
             self.error = error
 

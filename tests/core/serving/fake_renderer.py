@@ -59,7 +59,7 @@ def room_of(settings: Settings | None = None) -> SharedScene:
 
 def converted(room: SharedScene) -> list[tuple[BusSession, Reply]]:
     """Finish all conversions; return the replies."""
-    return list(room._converter.round())
+    return list(room._converter.run_round())
 
 
 class FakeRenderer:
@@ -98,15 +98,15 @@ class FakeRenderer:
         else:
             self.quiet = change
 
-    def drain(self, outbox: ChangeBatcher) -> None:
+    def drain(self, batcher: ChangeBatcher) -> None:
         """Take changes until there are none."""
         for _ in range(10_000):
-            if outbox.scene is not None:
-                converted(outbox.scene)
-            changes = outbox.next()
+            if batcher.scene is not None:
+                converted(batcher.scene)
+            changes = batcher.make_batch()
             if changes is not None:
-                outbox.acknowledge(self.take(changes))
-            elif outbox.scene is None or not outbox.scene.pending:
+                batcher.acknowledge(self.take(changes))
+            elif batcher.scene is None or not batcher.scene.pending:
                 return
         raise AssertionError("it never ends")
 

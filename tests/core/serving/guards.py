@@ -13,7 +13,7 @@ import pytest
 
 from pacinian.acoustics.array import lattice
 from pacinian.scene.config_sections import Lattice, PluginConfig
-from pacinian.serving.ipc import child_process
+from pacinian.serving.ipc import launch_config, launched_child
 from pacinian.serving.ipc.messages import (
     CAPACITIES,
     DeviceStatus,
@@ -22,7 +22,7 @@ from pacinian.serving.ipc.messages import (
     compute_frame_capacity,
     open_wakes,
 )
-from pacinian.serving.ipc.shared_memory import SharedRegister, folder
+from pacinian.serving.ipc.shared_memory import SharedRegister, open_folder
 from pacinian.serving.settings import Safety, Settings
 
 from ...waiting import PATIENCE, eventually
@@ -102,29 +102,29 @@ class Server:
 
     def __init__(self) -> None:
         self.stack = ExitStack()
-        self.folder = self.stack.enter_context(folder())
+        self.folder = self.stack.enter_context(open_folder())
         sizes = {**CAPACITIES, "frame": compute_frame_capacity(N)}
-        names = "permit", "frame", "requested_settings", "device"
+        names = "permit", "frame", "selections", "device"
         self.memory = {
             path.name: SharedRegister.create(path, sizes[path.name], open_wakes(path))
             for path in map(self.folder.joinpath, names)
         }
-        self.processes: list[child_process.Process] = []
+        self.processes: list[launched_child.LaunchedChild] = []
         self.sequence, self.epoch = 0, 1
 
     def make_config(
         self, log: Path | None = None, does: str = "", hung: float = 60.0
-    ) -> child_process.LaunchConfig:
+    ) -> launch_config.LaunchConfig:
         options: dict[str, bool | int | float | str] = {"log": str(log), "does": does}
         settings = Settings(
             array=Lattice(0.05, 0.05),
             backend=PluginConfig("logged", options) if log else "simulated",
             safety=Safety(frame_timeout=1.0, hang_timeout=hung),
         )
-        return child_process.LaunchConfig(str(self.folder), settings)
+        return launch_config.LaunchConfig(str(self.folder), settings)
 
-    def start(self, told: child_process.LaunchConfig) -> child_process.Process:
-        self.processes.append(child_process.start("guard", told))
+    def start(self, told: launch_config.LaunchConfig) -> launched_child.LaunchedChild:
+        self.processes.append(launched_child.start_child("guard", told))
         return self.processes[-1]
 
     @property
@@ -166,7 +166,7 @@ class Server:
 
     def close(self) -> None:
         for process in self.processes:
-            child_process.end(process, PATIENCE)
+            launched_child.end_child(process, PATIENCE)
         for memory in self.memory.values():
             memory.close()
         self.stack.close()

@@ -1,4 +1,4 @@
-"""Floods against libzmq itself: see `auth.UNCONFIRMED`."""
+"""Floods against libzmq itself: see `auth.MAX_UNACKNOWLEDGED_TIME`."""
 
 from __future__ import annotations
 

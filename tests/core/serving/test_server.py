@@ -18,7 +18,7 @@ from pacinian.errors import ArgumentError, ServerError
 from pacinian.scene.config_sections import Device, Units
 from pacinian.serving.ipc import logs, shared_memory
 from pacinian.serving.ipc.shared_memory import LOCK, PREFIX
-from pacinian.serving.server import MIN_FILES, serve
+from pacinian.serving.server import MIN_FILE_LIMIT, serve
 from pacinian.serving.settings import Log, Metrics, Network, Settings
 from pacinian.testing import run_server
 from pacinian.wire.connection_file import Connection, make_folder
@@ -71,7 +71,7 @@ def refused(settings: Settings) -> str:
         raise AssertionError("a process was started")
 
     with pytest.raises(ServerError) as caught:
-        serve(settings, start=start)
+        serve(settings, start_child=start)
     return str(caught.value)
 
 
@@ -98,7 +98,7 @@ def test_too_few_open_files_are_told_before_anything_starts(
     monkeypatch.setattr("resource.getrlimit", lambda _: (40, 40))
     monkeypatch.setattr("resource.setrlimit", lambda *_: None)
     said = refused(Settings(connection=str(tmp_path / "connection.json")))
-    assert f"40 files, and a server needs {MIN_FILES}: run `ulimit" in said
+    assert f"40 files, and a server needs {MIN_FILE_LIMIT}: run `ulimit" in said
     assert not list(tmp_path.iterdir())
 
 
@@ -216,7 +216,7 @@ def test_whoever_is_killed_with_control_nothing_is_left_after_the_next_start(
     # nobody was there to remove it, but the start of another test's server may do so at any time
 
     def is_removed_by_the_next_start() -> bool:
-        with shared_memory.folder():
+        with shared_memory.open_folder():
             return not remains(folder)
 
     eventually(is_removed_by_the_next_start)  # a spare that began after that may still be ending
@@ -241,7 +241,7 @@ def test_whichever_processes_are_killed_nothing_is_left_after_the_next_start(
         if "control" in killed:
             server.process.wait()
     eventually(lambda: not any(map(runs, pids.values())))
-    with shared_memory.folder():
+    with shared_memory.open_folder():
         assert not remains(folder)
 
 

@@ -9,9 +9,9 @@ import pytest
 from click.testing import CliRunner
 
 from pacinian.acoustics.air import Air
-from pacinian.cli.serve import _with, serve
+from pacinian.cli.serve import _override, serve
 from pacinian.errors import ArgumentError, SceneFileError
-from pacinian.serving.ipc.child_process import LaunchConfig
+from pacinian.serving.ipc.launch_config import LaunchConfig
 from pacinian.serving.settings import Network, Security, Settings, load
 
 ZONE = "[[safety.zones]]\nposition = [0, 0, 0.2]\npressure = 1"
@@ -148,13 +148,13 @@ def test_options_of_the_command_go_before_the_file() -> None:
         "backend": None,
         "connection": None,
     }
-    told = _with(load(EXAMPLE), given)
+    told = _override(load(EXAMPLE), given)
     assert (told.network.host, told.network.control, told.network.state) == ("127.0.0.2", 0, 7)
     assert (told.solver, told.backend, told.security.keys) == ("gs", "simulated", "k")
     assert (told.metrics.port, told.log.format, told.log.level) == (9, "json", "warning")
-    assert _with(load(EXAMPLE), {"quiet": False, "backend": None}) == load(EXAMPLE)
+    assert _override(load(EXAMPLE), {"quiet": False, "backend": None}) == load(EXAMPLE)
     with pytest.raises(ArgumentError, match="keys"):
-        _with(Settings(), {"host": "0.0.0.0"})
+        _override(Settings(), {"host": "0.0.0.0"})
 
 
 def test_the_command_names_what_is_wrong_with_its_file(tmp_path: Path) -> None:
@@ -176,10 +176,10 @@ def test_as_many_frames_make_a_region_as_in_a_renderer() -> None:
 
 def test_a_temperature_goes_before_the_speed_and_density_of_the_file(tmp_path: Path) -> None:
     path = written(tmp_path, "[medium]\nspeed_of_sound = 340.0\ndensity = 1.2\nhumidity = 0.3")
-    made = _with(load(path), {"temperature": 26.0, "quiet": False}).medium.make()
+    made = _override(load(path), {"temperature": 26.0, "quiet": False}).medium.make()
     assert made == Air(temperature=26.0, humidity=0.3)
     with pytest.raises(ArgumentError, match="temperature"):
-        _with(Settings(), {"temperature": 300.0})
+        _override(Settings(), {"temperature": 300.0})
 
 
 def test_the_capabilities_tell_the_air_that_is_computed_with() -> None:

@@ -1,6 +1,6 @@
 """For any order of events: once control has seen them, it never reports a better output than the real one.
 
-Control, guard, devices and ownership are real. They are connected by fake files and a manual clock.
+Control, guard, devices and lease are real. They are connected by fake files and a manual clock.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from pacinian.serving.ipc.messages import (
     FrameHead,
     Permit,
     RendererStatus,
-    RequestedSettings,
+    Selections,
     pack,
 )
 from pacinian.serving.settings import Safety, Settings
@@ -103,7 +103,7 @@ class Status(RuleBasedStateMachine):
         names = (
             "permit",
             "sessions",
-            "requested_settings",
+            "selections",
             "renderer_status",
             "device",
             "bus_status",
@@ -116,7 +116,7 @@ class Status(RuleBasedStateMachine):
         self.renewals = self.sequence = self.reset = 0
         self.halted, self.results = "", dict[str, str]()
         supervisor: Any = SimpleNamespace(
-            restarts={}, ended=False, alive=self.alive, check=self.check
+            restarts={}, ended=False, is_alive=self.alive, check=self.check
         )
         memory: Any = self.memory
         doors: Any = Doors()
@@ -150,20 +150,20 @@ class Status(RuleBasedStateMachine):
         self.devices = DeviceManager(
             self.gate, ARRAY, Choice(name="a"), 1000.0, made, self.threads.append
         )
-        self.devices.begin(self.orders)
+        self.devices.begin(self.selections)
 
     @property
-    def orders(self) -> RequestedSettings:
+    def selections(self) -> Selections:
         return msgspec.msgpack.decode(
-            self.memory["requested_settings"].data or pack(RequestedSettings()),
-            type=RequestedSettings,
+            self.memory["selections"].data or pack(Selections()),
+            type=Selections,
         )
 
     @rule()
     def guard_turns(self) -> None:
         if not self.guarded:
             return
-        self.devices.follow(self.orders)
+        self.devices.follow(self.selections)
         self.devices.poll()
         permit = Permit.unpack(self.memory["permit"].data)
         while self.gate.step(permit):
@@ -184,7 +184,7 @@ class Status(RuleBasedStateMachine):
 
     def tell(self) -> None:
         if self.guarded and (self.gate.backend or self.gate.fault):  # as in the process
-            told = self.gate.device(self.devices.results, (Plugin(name="a"), Plugin(name="b")))
+            told = self.gate.make_status(self.devices.results, (Plugin(name="a"), Plugin(name="b")))
             self.memory["device"].write(pack(told))
             self.told = self.guard_is
 
@@ -226,8 +226,8 @@ class Status(RuleBasedStateMachine):
 
     @rule()
     def renderer_tells(self) -> None:
-        wanted = self.orders.reset
-        device = self.control.view.device
+        wanted = self.selections.reset
+        device = self.control.statuses.device
         if self.reset != wanted and not device.fault:
             self.reset, self.halted = wanted, ""
             self.results[f"reset {wanted}"] = ""
@@ -241,7 +241,7 @@ class Status(RuleBasedStateMachine):
     # clients
 
     def ask(self, message: Struct) -> None:
-        self.control._do(b"game", "", message, self.clock.now())  # type: ignore[arg-type]
+        self.control._carry_out(b"game", "", message, self.clock.now())  # type: ignore[arg-type]
         self.control._write_changes_and_reply()
 
     @rule()
@@ -280,7 +280,7 @@ class Status(RuleBasedStateMachine):
     @property
     def has_told(self) -> bool:
         """Return whether the present guard has reported."""
-        return self.control.view.device.heartbeat >= self.started
+        return self.control.statuses.device.heartbeat >= self.started
 
     @rule()
     def all_goes_on(self) -> None:
@@ -294,21 +294,24 @@ class Status(RuleBasedStateMachine):
     def no_better_is_said_than_what_is(self) -> None:
         if not hasattr(self, "seen"):
             return
-        ownership = self.control.sessions.lease
+        lease = self.control.sessions.lease
         true: set[Output] = {"silent"}
-        true |= {"faulted"} if ownership.fault or self.seen_halted else set()
-        true |= {"stopped"} if ownership.permit.stopped else set()
-        true |= {self.seen} if self.seen != "stale" or ownership.armed else set()
-        said = self.control.publisher.state(self.clock.now(), {}).output
+        true |= {"faulted"} if lease.fault or self.seen_halted else set()
+        true |= {"stopped"} if lease.permit.stopped else set()
+        true |= {self.seen} if self.seen != "stale" or lease.armed else set()
+        said = self.control.publisher.make_state(self.clock.now(), {}).output
         assert said == max(true, key=RANK.__getitem__)
 
     @invariant()
     def what_a_reset_has_not_mended_holds_the_output(self) -> None:
         """After a reset is answered, a remaining fault is a fault of the lease, so that `arm` is refused."""
-        view, reset = self.control.view, f"reset {self.control.selection.requested.reset}"
+        statuses, reset = self.control.statuses, f"reset {self.control.selections.newest.reset}"
         failed = [
             part
-            for part, fault in ((view.device, view.device.fault), (view.report, view.report.halted))
+            for part, fault in (
+                (statuses.device, statuses.device.fault),
+                (statuses.renderer_status, statuses.renderer_status.halted),
+            )
             if fault and reset in part.results
         ]
         if failed:

@@ -150,7 +150,7 @@ def test_a_solution_is_carried_as_it_is_if_nothing_moved_and_else_point_by_point
 
     def carry(points):
         session.propagator.set_points(points)
-        return carry_regions(session.propagator, solution.targets, solution, q)
+        return carry_regions(session.propagator, solution.targets, solution)
 
     assert carry(q + 1e-4) is solution
     moved = carry(q + np.array([0.001, 0.0, 0.0]))

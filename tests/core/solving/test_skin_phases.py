@@ -30,8 +30,8 @@ ASIDE = 0.1, 0.05, 0.0  # source of a poor wave, relative to the array's centre 
 
 def bulge(count: int, silent: int = 0) -> tuple[Propagator, Targets, np.ndarray]:
     """Return skin curved like a fingertip, with lower targets towards its rim, and the phases of a poor wave."""
-    chance = np.random.default_rng(count)
-    aside = chance.uniform(-0.006, 0.006, (count + silent, 2))
+    rng = np.random.default_rng(count)
+    aside = rng.uniform(-0.006, 0.006, (count + silent, 2))
     aside[count:] *= 2.0
     away = (aside**2).sum(axis=1)
     normals = np.column_stack([aside / 0.01, -np.sqrt(np.maximum(1.0 - away / 1e-4, 0.01))])
@@ -112,9 +112,9 @@ def test_steps_go_on_from_the_last_phases_if_these_cost_less() -> None:
     second = relax_phases(propagator, targets, wave, first)
     assert cost(R, targets, second) < cost(R, targets, first)
     assert off(second, relaxed(R, targets, first, WARM)) < 0.1
-    chance = np.random.default_rng(0)
+    rng = np.random.default_rng(0)
     assert np.array_equal(
-        relax_phases(propagator, targets, wave, chance.uniform(-3.0, 3.0, 80)), first
+        relax_phases(propagator, targets, wave, rng.uniform(-3.0, 3.0, 80)), first
     )
 
 

@@ -66,6 +66,17 @@ def changing(device: Right) -> pc.Capability:
     return pc.Capability(128, 65, 2000.0 if device.is_open else 1000.0)
 
 
+def wait_negative_time(device: Right) -> pc.Capability:
+    return pc.Capability(128, 65, 2000.0, watchdog=-1.0)
+
+
+def set_afterwards(device: Right) -> pc.Capability:
+    """Return a capability whose number is of another type, which the constructor has not seen."""
+    can = pc.Capability(128, 65, 2000.0)
+    object.__setattr__(can, "rate", np.float32(2000.0))
+    return can
+
+
 def close_only_open(device: Right) -> None:
     if not device.is_open:
         raise pc.BackendError("not open")
@@ -182,6 +193,8 @@ WRONG: dict[str, tuple[str, dict[str, Any]]] = {
         {"find_devices": classmethod(others_are_found)},
     ),
     "another capability once open": ("capability", {"capability": property(changing)}),
+    "a watchdog that no device has": ("capability", {"capability": property(wait_negative_time)}),
+    "numbers of another type": ("capability", {"capability": property(set_afterwards)}),
     "closes only what is open": ("close twice", {"close": close_only_open}),
     "takes frames unopened": ("send before open", {"send": take_unopened}),
     "raises what the loop does not expect": ("send after close", {"send": raise_another}),

@@ -12,13 +12,13 @@ import msgspec
 import numpy as np
 
 from pacinian.scene.config_sections import PluginConfig, Units
-from pacinian.serving.ipc import child_process, shared_memory
+from pacinian.serving.ipc import launch_config, launched_child, shared_memory
 from pacinian.serving.ipc.messages import (
     CAPACITIES,
     DeviceStatus,
     FrameHead,
     Permit,
-    RequestedSettings,
+    Selections,
     compute_frame_capacity,
     pack,
 )
@@ -50,9 +50,9 @@ class Server:
 
     def __init__(self) -> None:
         self._stack = ExitStack()
-        self.folder = self._stack.enter_context(shared_memory.folder())
+        self.folder = self._stack.enter_context(shared_memory.open_folder())
         sizes = {**CAPACITIES, "frame": compute_frame_capacity(UNIT)}
-        names = "permit", "frame", "requested_settings", "device"
+        names = "permit", "frame", "selections", "device"
         self.files = {
             n: shared_memory.SharedRegister.create(self.folder / n, sizes[n]) for n in names
         }
@@ -62,19 +62,19 @@ class Server:
             backend=PluginConfig("usb-autd", options),
             safety=Safety(frame_timeout=1.0, hang_timeout=60.0),
         )
-        self.told = child_process.LaunchConfig(str(self.folder), settings)
+        self.told = launch_config.LaunchConfig(str(self.folder), settings)
         # as if by a guard before this one: the first asks all plug-ins what they offer, and so compiles kernels
         before = DeviceStatus(
             generation=0, next_generation=0, name="", phases=2, amplitudes=2, rate=1.0, watchdog=None, heartbeat=0.0,
             sounding=False, backends=(Plugin(name="usb-autd"),),
         )  # fmt: skip
         self.files["device"].write(pack(before))
-        self._process: child_process.Process | subprocess.Popen[bytes] | None = None
+        self._process: launched_child.LaunchedChild | subprocess.Popen[bytes] | None = None
         self._sequence = self._resets = 0
 
-    def start(self) -> child_process.Process:
+    def start(self) -> launched_child.LaunchedChild:
         """As control starts it."""
-        self._process = process = child_process.start("guard", self.told)
+        self._process = process = launched_child.start_child("guard", self.told)
         self._wait_until_open()
         return process
 
@@ -91,7 +91,7 @@ class Server:
 
         def is_open(device: DeviceStatus) -> bool:
             if device.fault and f"reset {self._resets}" in (*device.results, "reset 0"):
-                self._order_reset()
+                self._select_reset()
             return device.generation > 0
 
         self.until(is_open)
@@ -112,12 +112,12 @@ class Server:
 
     def reset(self) -> None:
         """What a client's reset becomes."""
-        self._order_reset()
+        self._select_reset()
         self.until(lambda device: f"reset {self._resets}" in device.results)
 
-    def _order_reset(self) -> None:
+    def _select_reset(self) -> None:
         self._resets += 1
-        self.files["requested_settings"].write(pack(RequestedSettings(reset=self._resets)))
+        self.files["selections"].write(pack(Selections(reset=self._resets)))
 
     def until(self, so: Callable[[DeviceStatus], object], *, playing: bool = False) -> DeviceStatus:
         """What the guard tells once it is so; meanwhile, frames go on or not."""
@@ -144,7 +144,7 @@ class Server:
         if self._process is not None:
             self._process.kill()
             self._process.wait()
-            if isinstance(self._process, child_process.Process):
+            if isinstance(self._process, launched_child.LaunchedChild):
                 self._process.close()
         for file in self.files.values():
             file.close()

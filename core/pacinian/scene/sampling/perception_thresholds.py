@@ -38,7 +38,7 @@ MARGIN = 10.0
 These 20 dB cover differences between people and between places. 2.2 Pa is a mean for 1.8 cm^2. Twice the area needs
 3 dB less [4], which would be 19 dB less for a whole hand of 150 cm^2. In a measurement, the threshold of a bar in the
 hand was 18.5 dB below that of a pin of 1 mm [6]."""
-MAX_FREQUENCY = 500.0  # higher frequencies alias in a device of 1000 frames per second [Hz]
+MAX_FREQUENCY = 500.0  # higher frequencies alias in a device of 1000 rows per second [Hz]
 
 
 @functools.lru_cache(maxsize=256)

@@ -49,11 +49,6 @@ class Samples:
         """Total force of the samples [N]."""
         return float(self.radiation_pressure @ self.area)
 
-    def sum_force(self, region: int) -> float:
-        """Return the total force of the samples of a region, by its number [N]."""
-        own = self.regions == region
-        return float(self.radiation_pressure[own] @ self.area[own])
-
     def __repr__(self) -> str:
         P = self.radiation_pressure
         felt = (

@@ -31,7 +31,7 @@ INNER, CLOSE, OUTER = 3e-3 + MARGIN, 10e-3, 30e-3
 
 
 def scatter_places(
-    contacts: Sequence[Contact], count: int, corners: Floats, chance: Generator
+    contacts: Sequence[Contact], count: int, corners: Floats, rng: Generator
 ) -> Samples:
     """Return random places on the touched skin, with the pressures that the materials ask for there.
 
@@ -47,10 +47,10 @@ def scatter_places(
     for one in contacts:
         sharing = [other for other in contacts if _share_skin(one, other)]
         wanted = max(MIN_PLACES, round(count * one.extent / total))
-        found.append(_scatter_within(one, sharing, wanted, chance))
+        found.append(_scatter_within(one, sharing, wanted, rng))
     for hand in {id(one.hand): one.hand for one in contacts}.values():
         touching = [one for one in contacts if one.hand is hand]
-        found.append(_scatter_beside(hand, touching, count, corners, chance))
+        found.append(_scatter_beside(hand, touching, count, corners, rng))
     return join_samples(found) if found else no_samples()
 
 
@@ -67,17 +67,17 @@ def _share_skin(one: Contact, other: Contact) -> bool:
 
 
 def _scatter_within(
-    contact: Contact, sharing: list[Contact], count: int, chance: Generator
+    contact: Contact, sharing: list[Contact], count: int, rng: Generator
 ) -> Samples:
     """Return random places on the touched skin, at most `count`."""
     hand = contact.hand
-    some = contact.find_bordering(chance.permutation(len(contact.candidates))[: TRIED * count])
+    some = contact.find_bordering(rng.permutation(len(contact.candidates))[: TRIED * count])
     some = np.sort(some[:count] if len(some) else contact.touched[:count])
     fine, spacing = hand.find_finest(some)
     drawn = 2 * count  # because some lie beside the touched skin
-    fine = fine.only(chance.choice(len(fine.area), drawn, p=fine.area / fine.area.sum()))
+    fine = fine.only(rng.choice(len(fine.area), drawn, p=fine.area / fine.area.sum()))
     # move each place within its cell, along the skin
-    turn, r = chance.uniform(0.0, 2.0 * np.pi, drawn), spacing / 2.0 * np.sqrt(chance.random(drawn))
+    turn, r = rng.uniform(0.0, 2.0 * np.pi, drawn), spacing / 2.0 * np.sqrt(rng.random(drawn))
     across = np.cross(fine.normals, np.eye(3)[np.abs(fine.normals).argmin(axis=1)])
     across /= np.linalg.norm(across, axis=1, keepdims=True)
     aside = np.cross(fine.normals, across)
@@ -105,14 +105,14 @@ def _scatter_within(
 
 
 def _scatter_beside(
-    hand: PosedSkin, touching: list[Contact], count: int, corners: Floats, chance: Generator
+    hand: PosedSkin, touching: list[Contact], count: int, corners: Floats, rng: Generator
 ) -> Samples:
     """Return random places beside the skin that contacts touch: at most `count` close to it, and as many others."""
     touched = [one.touched for one in touching]
     q = hand.points[np.concatenate(touched)]
     low, high = q.min(axis=0) - OUTER, q.max(axis=0) + OUTER
     x, y, z = ((low < hand.points) & (hand.points < high)).T
-    some = chance.permutation(np.flatnonzero(x & y & z))[: 16 * count]
+    some = rng.permutation(np.flatnonzero(x & y & z))[: 16 * count]
     away = corners - hand.points[some, None]
     some = some[(np.einsum("kj,kvj->kv", hand.normals[some], away) > 0.0).any(axis=1)]
     some, nearest = some[hand.find_exposed(some)], np.zeros(0, np.intp)

@@ -4,7 +4,8 @@ process.py            begins here: receives, and reports
 dispatcher.py         authorises, decodes and carries out each message; answers it, also if it is malformed
 admission.py          which messages are let in: session, sequence number, age, rate
 coalescing.py         of messages received together, only the newest hands and moves
-shared_scene.py       objects, hands and quiet zones of all clients; enforces limits of number (settings.py) and size
+shared_scene.py       objects, hands and quiet zones of all clients; enforces limits of size and number: of objects
+                      (settings.py), of zones (wire/protocol.py)
 stored_object.py      one object: its encoding for the renderer; too strong or too large ones are refused
 client_hands.py       hands as a client sends them
 change_batcher.py     batches of changes for the renderer

@@ -50,7 +50,7 @@ class BusSession:
                 path="$.sequence",
             )
         self._sequence = command.sequence
-        self.age = self._clock.age(command.time, now)
+        self.age = self._clock.compute_age(command.time, now)
         if self.age <= command.ttl:
             return None
         self.dropped += 1
@@ -85,13 +85,13 @@ class PeerRateLimiter:
 
     def allows(self, peer: bytes, now: float) -> bool:
         """Return whether a connection may send another message at `now` [s]."""
-        return self._of(peer)[0].take(now)
+        return self._find(peer)[0].take(now)
 
     def should_report(self, peer: bytes, now: float) -> bool:
         """Return whether to send an error to a connection that has no session or sends too much."""
-        return self._of(peer)[1].take(now)
+        return self._find(peer)[1].take(now)
 
-    def _of(self, peer: bytes) -> tuple[TokenBucket, TokenBucket]:
+    def _find(self, peer: bytes) -> tuple[TokenBucket, TokenBucket]:
         known = self._peers.get(peer)
         if known is None:
             if len(self._peers) >= self._most:

@@ -6,7 +6,7 @@ from itertools import islice
 from typing import TYPE_CHECKING
 
 from pacinian.serving.bus.pending_changes import MOVED, WRAPPED
-from pacinian.serving.bus.stored_object import AT_ONCE
+from pacinian.serving.bus.stored_object import MAX_CONVERTED_AT_ONCE
 from pacinian.serving.ipc.messages import Changes, PutObject, RemoveObject, ResetScene, SetEnvelope
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 MAX_BATCH_OBJECTS = 64  # maximum number of objects in one batch
 # Maximum number of moves, removals and new envelopes in a batch while objects wait to be put.
-LIGHT = 48
+MAX_LIGHT_CHANGES = 48
 MAX_BATCH_BYTES = 1 << 20  # maximum size of one batch, unless a single object is larger [bytes]
 
 
@@ -36,7 +36,7 @@ class ChangeBatcher:
         self.errors: list[tuple[BusSession, Error]] = []
         self._number = 0
         self._renderer: int | None = None
-        self._waits = False
+        self._unacknowledged = False
 
     def render(self, scene: SharedScene) -> None:
         """Render this scene from now on."""
@@ -50,24 +50,24 @@ class ChangeBatcher:
         mine = taken.bus == self.run and taken.number == self._number
         if taken.run != known and not (known is None and mine):
             self._begin()
-            self._waits = False
+            self._unacknowledged = False
         elif mine:
-            self._waits = False
+            self._unacknowledged = False
 
     def resend_scene(self) -> None:
         """Send the whole scene again, because the last batch could not be published."""
-        self._waits = False
+        self._unacknowledged = False
         self._begin()
 
     @property
-    def waits(self) -> bool:
+    def has_more(self) -> bool:
         """Whether there is more to send once the last batch is taken."""
         return self.scene is not None and len(self.scene.pending) > 0
 
-    def next(self) -> Changes | None:
+    def make_batch(self) -> Changes | None:
         """Return the next batch, which the caller must publish; None if the last was not taken or nothing is new."""
         scene = self.scene
-        if self._waits or scene is None or not len(scene.pending):
+        if self._unacknowledged or scene is None or not len(scene.pending):
             return None
         batch = Batch()
         _add_scene_settings(scene, batch)
@@ -76,12 +76,12 @@ class ChangeBatcher:
         if not batch.changes:
             return None
         self._number += 1
-        self._waits = True
+        self._unacknowledged = True
         return Changes(self._number, self.run, tuple(batch.changes))
 
     def _begin(self) -> None:
         if self.scene is not None:
-            self.scene.pending.all(list(self.scene.objects))
+            self.scene.pending.start_again(list(self.scene.objects))
 
     def _add_puts(self, scene: SharedScene, batch: Batch) -> None:
         pending, fresh = scene.pending, 0
@@ -93,7 +93,7 @@ class ChangeBatcher:
                 continue  # it is still being converted
             if stored.item is not None:
                 fresh += 1
-                if fresh > AT_ONCE:
+                if fresh > MAX_CONVERTED_AT_ONCE:
                     return
                 if (error := scene.pack(stored)) is not None:
                     self.errors.append((stored.owner, error))
@@ -104,12 +104,12 @@ class ChangeBatcher:
                 batch.changes.append(RemoveObject(name))
             batch.changes.append(PutObject(name, stored.packed, stored.default))
             pending.known.add(name)
-            if (move := stored.move()) is not None:
+            if (move := stored.make_move()) is not None:
                 batch.changes.append(move)
             if stored.wrapped and batch.fits(len(stored.wrapped)):
                 batch.changes.append(SetEnvelope(name, stored.wrapped))
             elif stored.wrapped:
-                pending.new(name, WRAPPED)
+                pending.note_changed(name, WRAPPED)
             batch.objects += 1
 
 
@@ -134,15 +134,17 @@ def _add_scene_settings(scene: SharedScene, batch: Batch) -> None:
     if pending.begin:
         batch.changes.append(ResetScene(scene.number))
     if pending.quiet:
-        batch.changes.append(scene.all_quiet())
+        batch.changes.append(scene.merge_zones())
     if pending.hands:
-        batch.changes.append(scene.all_hands())
+        batch.changes.append(scene.merge_hands())
     pending.begin = pending.quiet = pending.hands = False
 
 
 def _add_light_changes(scene: SharedScene, batch: Batch) -> None:
     pending = scene.pending
-    for name in list(islice(pending.light, LIGHT if pending.puts else MAX_BATCH_OBJECTS)):
+    for name in list(
+        islice(pending.light, MAX_LIGHT_CHANGES if pending.puts else MAX_BATCH_OBJECTS)
+    ):
         what, stored = pending.light[name], scene.objects.get(name)
         if stored is None:
             pending.known.discard(name)
@@ -152,7 +154,7 @@ def _add_light_changes(scene: SharedScene, batch: Batch) -> None:
                 if not batch.fits(len(stored.wrapped)):
                     return
                 batch.changes.append(SetEnvelope(name, stored.wrapped))
-            if what & MOVED and (move := stored.move()) is not None:
+            if what & MOVED and (move := stored.make_move()) is not None:
                 batch.changes.append(move)
         del pending.light[name]
         batch.objects += 1

@@ -24,7 +24,7 @@ class TrackedHands(NamedTuple):
     received: float
 
     @staticmethod
-    def together(tracked: Iterable[TrackedHands], felt: bool) -> SetHands:
+    def merge(tracked: Iterable[TrackedHands], felt: bool) -> SetHands:
         """Merge the hands of all clients; times and sequence are those of the newest."""
         all_of = list(tracked)
         if not all_of:

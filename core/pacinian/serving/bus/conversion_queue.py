@@ -126,7 +126,7 @@ class Converter:
     def __len__(self) -> int:
         return len(self._waiting) + (self._running is not None)
 
-    def ask(self, job: Job) -> None:
+    def queue(self, job: Job) -> None:
         """Queue a job. Older jobs that it supersedes completely are dropped, and answered as done."""
         kept = deque([old for old in self._waiting if old.trim()])
         if len(kept) < len(self._waiting):
@@ -136,7 +136,7 @@ class Converter:
         self._waiting = kept
         kept.append(job)
 
-    def round(self) -> Iterator[tuple[BusSession, Reply]]:
+    def run_round(self) -> Iterator[tuple[BusSession, Reply]]:
         """Start the next job if the last has ended; yield the replies."""
         while True:
             yield from self._ended

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from pacinian.wire.commands import AnyCommand
     from pacinian.wire.replies import Code, Reply
 
-PEERS = 4  # number of connections whose rates are remembered, for each permitted client
+PEERS_PER_CLIENT = 4  # number of connections whose rates are remembered, for each permitted client
 
 
 class CommandDispatcher:
@@ -74,11 +74,11 @@ class CommandDispatcher:
         self._reread, self._emitted, self._log = reread, emitted, log
         self._superseded = 0  # in scenes that have ended
         self._peers = PeerRateLimiter(
-            settings.clients.max_rate, PEERS * settings.clients.max_sessions
+            settings.clients.max_rate, PEERS_PER_CLIENT * settings.clients.max_sessions
         )
         self._numbers = 0
 
-    def sessions(self, sessions: SessionTable) -> None:
+    def update_sessions(self, sessions: SessionTable) -> None:
         """Update the sessions that may send commands, and the rendered scene.
 
         Without an owner, the last scene stays.
@@ -91,13 +91,13 @@ class CommandDispatcher:
         if sessions.owned in self.scenes:
             self.batcher.render(self.scenes[sessions.owned])
 
-    def messages(self, messages: list[Message]) -> None:
+    def handle_messages(self, messages: list[Message]) -> None:
         """Handle messages of authenticated connections, in order of arrival."""
         self.received += len(messages)
         kept, replaced = coalesce([one for one in messages if self._allows(one)])
         for message in kept:
             with self.catch_faults("message"):
-                self._message(*message)
+                self._handle_message(*message)
         for key, count in replaced.items():
             if (client := self.clients.get(key)) is not None:
                 client.count_superseded(count)
@@ -118,13 +118,13 @@ class CommandDispatcher:
             self._refuse(message.peer, message.data, "busy", problem, message.time)
         return allowed
 
-    def _message(self, peer: bytes, user: str, data: bytes, now: float) -> None:
+    def _handle_message(self, peer: bytes, user: str, data: bytes, now: float) -> None:
         try:
             command = decode_command(data)
         except WireError as error:
             self._refuse(peer, data, "malformed", error.problem, now, error.path)
             return
-        client = self._client(command.session)
+        client = self._find_client(command.session)
         if client is None:
             problem = "no session has that key: say hello first"
             self._refuse(peer, data, "session", problem, now, "$.session")
@@ -133,14 +133,14 @@ class CommandDispatcher:
             problem = "the session belongs to another connection: say hello on this connection"
             self._refuse(peer, data, "session", problem, now, "$.session")
         else:
-            self._answer(client, self._do(client, command, now, len(data)), now)
+            self._answer(client, self._carry_out(client, command, now, len(data)), now)
 
     @property
     def due(self) -> float:
         """When the next object may expire [s]; infinite if none will."""
         return min((scene.due for scene in self.scenes.values()), default=math.inf)
 
-    def round(self, now: float) -> None:
+    def run_round(self, now: float) -> None:
         """Do the timed work, and report errors found while batching."""
         for scene in self.scenes.values():
             with self.catch_faults("expiry"):
@@ -150,14 +150,14 @@ class CommandDispatcher:
         for client, error in errors:
             self._answer(client, error, now)
         with self.catch_faults("conversion"):
-            for client, reply in self.converter.round():
+            for client, reply in self.converter.run_round():
                 self._answer(client, reply, now)
         with self.catch_faults("field"):
-            answer = self.queries.step()
+            answer = self.queries.run_chunk()
             if answer is not None:
                 self._answer(*answer, now)
 
-    def bus_status(self, now: float, port: int) -> BusStatus:
+    def make_status(self, now: float, port: int) -> BusStatus:
         """Return the status of the bus."""
         return BusStatus(
             heartbeat=now,
@@ -172,10 +172,10 @@ class CommandDispatcher:
             port=port,
         )
 
-    def _client(self, key: bytes) -> BusSession | None:
+    def _find_client(self, key: bytes) -> BusSession | None:
         client = self.clients.get(key)
         if client is None and (sessions := self._reread()) is not None:
-            self.sessions(sessions)
+            self.update_sessions(sessions)
             client = self.clients.get(key)
         return client
 
@@ -198,13 +198,15 @@ class CommandDispatcher:
             self._superseded += scene.pending.superseded
             del self.scenes[client.info.scene]
 
-    def _do(self, client: BusSession, command: AnyCommand, now: float, size: int) -> Reply | None:
+    def _carry_out(
+        self, client: BusSession, command: AnyCommand, now: float, size: int
+    ) -> Reply | None:
         error = client.admit(command, now)
         if error is not None:
             return error
         try:
             if isinstance(command, Field):
-                return self.queries.ask(client, command, self._emitted())
+                return self.queries.begin(client, command, self._emitted())
             if isinstance(command, Show):
                 return make_snapshot(self.batcher.scene, command)
             scene = self.scenes[client.info.scene]

@@ -10,7 +10,7 @@ from pacinian.acoustics.propagation import CHUNK, field
 from pacinian.argument_checks import check_near, check_numbers
 from pacinian.errors import ArgumentError, WireError, describe_error
 from pacinian.plugins.backend import Frame
-from pacinian.serving.ipc.messages import HEAD, FrameHead
+from pacinian.serving.ipc.messages import HEAD_BYTES, FrameHead
 from pacinian.wire.binary_arrays import pack, unpack
 from pacinian.wire.replies import Error, Pressures
 
@@ -37,7 +37,7 @@ class EmittedGains:
         self._devices: dict[int, Capability] = {}
         self._sounding = False
 
-    def device(self, device: DeviceStatus) -> None:
+    def note_device(self, device: DeviceStatus) -> None:
         """Note the status of the device. Its levels are those of the next device, if there is one."""
         known, generation = self._devices, device.next_generation or device.generation
         levels = known.get(generation) or device.capability
@@ -47,13 +47,13 @@ class EmittedGains:
         }
         self._sounding = device.sounding
 
-    def gains(self, frame: bytes) -> tuple[Gains, float]:
+    def decode_gains(self, frame: bytes) -> tuple[Gains, float]:
         """Return the gains (N,) of a frame's last row, and its time [s]; zeros in silence."""
         if not frame:
             return self._silence, 0.0
         head = FrameHead.unpack(frame)
         capability = self._devices.get(head.device)
-        levels = np.frombuffer(frame, "<u2", offset=HEAD)
+        levels = np.frombuffer(frame, "<u2", offset=HEAD_BYTES)
         fits = head.columns == len(self._silence) and len(levels) == 2 * head.rows * head.columns
         if capability is None or not self._sounding or not head.rows or not fits:
             return self._silence, head.time
@@ -75,7 +75,7 @@ class FieldQueries:
     def __len__(self) -> int:
         return len(self._running)
 
-    def ask(self, client: BusSession, query: Field, emitted: tuple[Gains, float]) -> Error | None:
+    def begin(self, client: BusSession, query: Field, emitted: tuple[Gains, float]) -> Error | None:
         """Begin a query, or return the error. Raises WireError."""
         if not query.id:
             raise WireError("must not be 0, because a field query needs an answer", "$.id")
@@ -90,7 +90,7 @@ class FieldQueries:
         self._running[client] = self._work(points, query.id, *emitted)
         return None
 
-    def step(self) -> Answer | None:
+    def run_chunk(self) -> Answer | None:
         """Process a chunk of the query that waits longest; return the answer if that was the last chunk."""
         client = next(iter(self._running), None)
         if client is None:

@@ -27,14 +27,14 @@ class PendingChanges:
     def __len__(self) -> int:
         return len(self.light) + len(self.puts) + self.begin + self.hands + self.quiet
 
-    def all(self, names: list[str]) -> None:
+    def start_again(self, names: list[str]) -> None:
         """Start again: the renderer has nothing, and the scene holds `names`."""
         self.known.clear()
         self.light.clear()
         self.puts = dict.fromkeys(names, False)
         self.begin = self.hands = self.quiet = True
 
-    def put(self, name: str, *, there: bool) -> None:
+    def note_put(self, name: str, *, there: bool) -> None:
         """Note that an object was put. there: it replaces one of that name in the scene."""
         replaced = self.light.pop(name, None)
         self.superseded += name in self.puts or (there and replaced is not None)
@@ -43,7 +43,7 @@ class PendingChanges:
         else:  # goes last, even if the renderer has another of that name
             self.puts[name] = name in self.known
 
-    def new(self, name: str, what: int) -> None:
+    def note_changed(self, name: str, what: int) -> None:
         """Note that an object was moved or got a new envelope (flags). If it waits to be put, the put includes this."""
         before = self.light.get(name, 0)
         self.superseded += bool(before & what)
@@ -57,7 +57,7 @@ class PendingChanges:
             self.superseded += name in self.light
             self.light[name] = REMOVED
 
-    def hand(self) -> None:
+    def note_hands(self) -> None:
         """Note that the hands changed."""
         self.superseded += self.hands
         self.hands = True

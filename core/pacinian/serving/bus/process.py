@@ -24,7 +24,7 @@ from pacinian.serving.bus.coalescing import Message
 from pacinian.serving.bus.dispatcher import CommandDispatcher
 from pacinian.serving.bus.field_queries import EmittedGains
 from pacinian.serving.bus.warmup import warm_up
-from pacinian.serving.ipc import child_process, scheduling
+from pacinian.serving.ipc import parent_link, scheduling
 from pacinian.serving.ipc.auth import Authenticator, receive
 from pacinian.serving.ipc.logs import RateLimitedLog, configure
 from pacinian.serving.ipc.memory_trim import trim_memory
@@ -60,7 +60,7 @@ MAX_RECEIVE_TIME = 0.002  # time limit to receive the messages of one round [s]
 MIN_ROUND_INTERVAL = 3e-4
 # Longest wait for messages [s]: while the renderer or the converter has work pending; while neither has; and on a
 # system where a new session cannot end the wait.
-SOON, LATER, POLLED = 1e-3, 0.05, 5e-3
+BUSY_WAIT, IDLE_WAIT, POLLED_WAIT = 1e-3, 0.05, 5e-3
 # Thread switch interval [s]. It limits how long a conversion blocks the loop.
 THREAD_SWITCH_INTERVAL = 2e-4
 REPORT_INTERVAL = 0.05  # interval between two status reports [s]
@@ -88,7 +88,7 @@ class Bus:
         self._emitted = EmittedGains(len(array))
         run = random.getrandbits(62) + 1
         self.dispatcher = CommandDispatcher(
-            settings, array, run, self._sessions, self._gains, RateLimitedLog(), executor
+            settings, array, run, self._read_sessions, self._read_gains, RateLimitedLog(), executor
         )
         self._wake = wake
         self._poller = zmq.Poller()
@@ -99,44 +99,44 @@ class Bus:
         self._busy = False
         self._begun = -math.inf  # begin of the last round [s]
         memory["changes"].write(pack(Changes(0, run, ())))  # nothing of an earlier bus may sound
-        self.tell()
+        self.report()
 
-    def round(self) -> None:
+    def run_round(self) -> None:
         """Receive messages, send changes to the renderer, reply."""
         begin = time.perf_counter()
         if begin < self._begun + MIN_ROUND_INTERVAL:
             time.sleep(self._begun + MIN_ROUND_INTERVAL - begin)
         self._begun = time.perf_counter()
-        outbox = self.dispatcher.batcher
-        wait = LATER if self._wake.works else POLLED
-        if outbox.waits or len(self.dispatcher.converter):
-            wait = SOON
+        batcher = self.dispatcher.batcher
+        wait = IDLE_WAIT if self._wake.works else POLLED_WAIT
+        if batcher.has_more or len(self.dispatcher.converter):
+            wait = BUSY_WAIT
         due = 0.0 if self._busy else min(wait, self.dispatcher.due - self._begun)
         ready = dict(self._poller.poll(max(0, math.ceil(1e3 * due))))
         if self._wake.fileno() in ready:
             self._wake.clear()
         if self._socket in ready:
-            self._take()
+            self._receive()
         with self.dispatcher.catch_faults("sessions"):
-            if (sessions := self._sessions()) is not None:
-                self.dispatcher.sessions(sessions)
+            if (sessions := self._read_sessions()) is not None:
+                self.dispatcher.update_sessions(sessions)
         with self.dispatcher.catch_faults("publishing"):
             self._publish()
-        self.dispatcher.round(time.perf_counter())
+        self.dispatcher.run_round(time.perf_counter())
         self._reply()
         if time.perf_counter() - self._reported_at >= REPORT_INTERVAL:
-            self.tell()
+            self.report()
         self._busy = len(self.dispatcher.queries) > 0
 
-    def tell(self) -> None:
+    def report(self) -> None:
         """Report the status to control."""
         now = time.perf_counter()
         with self.dispatcher.catch_faults("device"):
-            self._new("device", DeviceStatus, self._emitted.device)
-        self._memory["bus_status"].write(pack(self.dispatcher.bus_status(now, self.port)))
+            self._read_new("device", DeviceStatus, self._emitted.note_device)
+        self._memory["bus_status"].write(pack(self.dispatcher.make_status(now, self.port)))
         self._reported_at = now
 
-    def _take(self) -> None:
+    def _receive(self) -> None:
         """Receive all waiting messages at once, because superseded ones then cost next to nothing."""
         messages: list[Message] = []
         end, size = time.perf_counter() + MAX_RECEIVE_TIME, 0
@@ -151,16 +151,16 @@ class Bus:
             peer, user, data = taken
             messages.append(Message(peer, self._name(user), data, now))
             size += len(data)
-        self.dispatcher.messages(messages)
+        self.dispatcher.handle_messages(messages)
 
     def _publish(self) -> None:
-        outbox = self.dispatcher.batcher
-        self._new("changes_ack", ChangesAck, outbox.acknowledge)
-        if (changes := outbox.next()) is not None:
+        batcher = self.dispatcher.batcher
+        self._read_new("changes_ack", ChangesAck, batcher.acknowledge)
+        if (changes := batcher.make_batch()) is not None:
             try:
                 self._memory["changes"].write(pack(changes))
             except Exception:
-                outbox.resend_scene()
+                batcher.resend_scene()
                 raise
 
     def _reply(self) -> None:
@@ -170,17 +170,17 @@ class Bus:
             with self.dispatcher.catch_faults("reply"), contextlib.suppress(zmq.Again):
                 self._socket.send_multipart((peer, encode(reply)), zmq.NOBLOCK)
 
-    def _sessions(self) -> SessionTable | None:
+    def _read_sessions(self) -> SessionTable | None:
         new: list[SessionTable] = []
-        self._new("sessions", SessionTable, new.append)
+        self._read_new("sessions", SessionTable, new.append)
         return new[0] if new else None
 
-    def _gains(self) -> tuple[Gains, float]:
-        self._new("device", DeviceStatus, self._emitted.device)
+    def _read_gains(self) -> tuple[Gains, float]:
+        self._read_new("device", DeviceStatus, self._emitted.note_device)
         read = self._memory["frame"].read()
-        return self._emitted.gains(b"" if read is None else read[1])
+        return self._emitted.decode_gains(b"" if read is None else read[1])
 
-    def _new(self, name: str, kind: type[T], do: Callable[[T], object]) -> None:
+    def _read_new(self, name: str, kind: type[T], do: Callable[[T], object]) -> None:
         """Read a file; call `do` if the value is new."""
         read = self._memory[name].read(self._seen[name])
         if read is not None:
@@ -204,9 +204,9 @@ def open_bus(settings: Settings, folder: Path, secrets: dict[str, str]) -> Gener
         wake = open_wake_pipe(folder, "bus")
         stack.callback(wake.close)
         context: zmq.Context[zmq.Socket[bytes]] = stack.enter_context(zmq.Context())
-        gate = stack.enter_context(Authenticator(context, secrets, settings.security.keys))
+        authenticator = stack.enter_context(Authenticator(context, secrets, settings.security.keys))
         socket = stack.enter_context(context.socket(zmq.ROUTER))
-        gate.protect(socket, settings.clients.max_command_bytes)
+        authenticator.protect(socket, settings.clients.max_command_bytes)
         socket.router_mandatory = False  # replies to a closed connection are dropped
         network = settings.network
         try:
@@ -217,13 +217,13 @@ def open_bus(settings: Settings, folder: Path, secrets: dict[str, str]) -> Gener
             ) from error
         executor = ThreadPoolExecutor(1)
         stack.callback(executor.shutdown, cancel_futures=True)
-        yield Bus(settings, array, socket, memory, gate.name, executor, wake)
+        yield Bus(settings, array, socket, memory, authenticator.name_user, executor, wake)
 
 
 def main() -> None:
     """Run until the parent ends or asks this process to end."""
     ended = threading.Event()
-    config = child_process.read_launch_config(ended.set)
+    config = parent_link.read_launch_config(ended.set)
     configure(config.settings.log, "bus")
     sys.setswitchinterval(THREAD_SWITCH_INTERVAL)
     # A priority above clients that flood the server, but below the renderer.
@@ -231,7 +231,7 @@ def main() -> None:
     with open_bus(config.settings, config.path, config.secrets) as bus:
         trim_memory()
         while not ended.is_set():
-            bus.round()
+            bus.run_round()
 
 
 if __name__ == "__main__":

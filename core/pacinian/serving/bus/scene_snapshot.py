@@ -18,9 +18,11 @@ if TYPE_CHECKING:
     from pacinian.wire.commands import Show
     from pacinian.wire.objects import Object
 
-FULL = 1 << 18  # size limit of the objects in one reply, unless a single one is larger [bytes]
+MAX_SNAPSHOT_BYTES = (
+    1 << 18
+)  # size limit of the objects in one reply, unless a single one is larger [bytes]
 # Largest size of what a reply contains besides names, poses and objects, and of the prefix of a name or object [bytes].
-HEAD, NAMED = 512, 4
+HEAD_BYTES, NAME_BYTES = 512, 4
 
 _encoder = Encoder()
 
@@ -34,24 +36,24 @@ def make_snapshot(scene: SharedScene | None, asked: Show) -> Shown:
     since = asked.since if asked.scene == scene.name else 0
     stored_objects = list(islice(scene.objects.values(), MAX_SHOWN))
     names = tuple(stored.name for stored in stored_objects)
-    poses = b"".join([stored.pose() for stored in stored_objects])
-    taken = HEAD + len(poses) + sum(NAMED + len(name.encode()) for name in names)
+    poses = b"".join([stored.encode_pose() for stored in stored_objects])
+    taken = HEAD_BYTES + len(poses) + sum(NAME_BYTES + len(name.encode()) for name in names)
     new = sorted((t for t in stored_objects if t.number > since), key=lambda t: t.number)
-    objects, version = _objects(new, MAX_REPLY_BYTES - taken)
+    objects, version = _encode_objects(new, MAX_REPLY_BYTES - taken)
     return Shown(
         id=asked.id, scene=scene.name, version=max(since, version), names=names, poses=poses,
         objects=objects,
     )  # fmt: skip
 
 
-def _objects(stored_objects: list[StoredObject], most: int) -> tuple[dict[str, Object], int]:
+def _encode_objects(stored_objects: list[StoredObject], most: int) -> tuple[dict[str, Object], int]:
     """Encode as many objects as fit in `most` [bytes]; return them, and the number of the last."""
     made: dict[str, Raw] = {}
     size, version = 0, 0
     for stored in stored_objects:
         data = _encoder.encode(stored.sent)
-        more = len(data) + len(stored.name.encode()) + 2 * NAMED
-        if made and size + more > min(FULL, most):
+        more = len(data) + len(stored.name.encode()) + 2 * NAME_BYTES
+        if made and size + more > min(MAX_SNAPSHOT_BYTES, most):
             break
         if more <= most:
             made[stored.name] = Raw(data)

@@ -14,7 +14,7 @@ from pacinian.serving.bus.client_hands import TrackedHands, track_hands
 from pacinian.serving.bus.conversion_queue import EnvelopeConversion, ObjectConversion
 from pacinian.serving.bus.pending_changes import MOVED, WRAPPED, PendingChanges
 from pacinian.serving.bus.stored_object import (
-    AT_ONCE,
+    MAX_CONVERTED_AT_ONCE,
     MIN_HEAVY_BYTES,
     StoredObject,
     check_poses,
@@ -24,6 +24,7 @@ from pacinian.serving.bus.stored_object import (
 )
 from pacinian.serving.ipc.messages import SetQuiet
 from pacinian.wire.convert import envelope_to_scene
+from pacinian.wire.protocol import MAX_ZONES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -37,7 +38,6 @@ if TYPE_CHECKING:
 
 # Memory limit for the objects of one client [bytes].
 MAX_CLIENT_BYTES = 16 << 20
-MAX_QUIET_ZONES = 16  # maximum number of quiet zones of all clients of one scene
 
 
 class CommandRejected(Exception):
@@ -72,7 +72,7 @@ class SharedScene:
         """Remove all objects, hands and quiet zones of a client."""
         self.remove([stored.name for stored in self.objects.values() if stored.owner is client])
         if self.hands.pop(client, None) is not None:
-            self.pending.hand()
+            self.pending.note_hands()
         if self.zones.pop(client, None) is not None:
             self.pending.quiet = True
 
@@ -80,7 +80,7 @@ class SharedScene:
         """Replace the hands of a client, seen at `seen` and received at `now` [s] by the server's clock."""
         self.hands[client] = track_hands(client.number, command, seen, now)
         self.felt = True
-        self.pending.hand()
+        self.pending.note_hands()
 
     @property
     def due(self) -> float:
@@ -109,11 +109,11 @@ class SharedScene:
             return make_error_reply(error)
         return None
 
-    def all_hands(self) -> SetHands:
+    def merge_hands(self) -> SetHands:
         """Return the hands of all clients."""
-        return TrackedHands.together(self.hands.values(), self.felt)
+        return TrackedHands.merge(self.hands.values(), self.felt)
 
-    def all_quiet(self) -> SetQuiet:
+    def merge_zones(self) -> SetQuiet:
         """Return the installation's quiet zones, and those of all clients."""
         zones = [zone for given in self.zones.values() for zone in given]
         ours = [(zone.position, zone.pressure, zone.radius) for zone in self._settings.safety.zones]
@@ -131,7 +131,7 @@ class SharedScene:
         rest = max(0, size - sum(stored.size for stored in stored_objects))
         for stored in stored_objects:
             stored.size += rest // len(stored_objects)
-            stored.slow |= bool(command.id) and len(stored_objects) > AT_ONCE
+            stored.slow |= bool(command.id) and len(stored_objects) > MAX_CONVERTED_AT_ONCE
         self._make_room(client, stored_objects)
         for stored in stored_objects:
             item = stored.item
@@ -144,7 +144,7 @@ class SharedScene:
         for stored in stored_objects:
             self._place(stored)
         if heavy:
-            self._converter.ask(ObjectConversion(heavy, client, command.id, self.drop))
+            self._converter.queue(ObjectConversion(heavy, client, command.id, self.drop))
         if len(self._ends) > 2 * len(self.objects) + 64:  # most entries are of replaced objects
             self._ends = [(t.until, t.name) for t in self.objects.values() if t.until is not None]
             heapify(self._ends)
@@ -173,7 +173,7 @@ class SharedScene:
         self.objects[stored.name] = stored
         if stored.until is not None:
             heappush(self._ends, (stored.until, stored.name))
-        self.pending.put(stored.name, there=old is not None)
+        self.pending.note_put(stored.name, there=old is not None)
 
     def move(self, command: Move, seen: float) -> None:
         """Set the poses and velocities of objects, as of `seen` [s]. Raises CommandRejected, WireError."""
@@ -182,7 +182,7 @@ class SharedScene:
         for i, stored in self._find_stored(command.names):
             pose, velocity = poses[28 * i : 28 * i + 28], velocities[24 * i : 24 * i + 24]
             stored.moved = pose, velocity, seen
-            self.pending.new(stored.name, MOVED)
+            self.pending.note_changed(stored.name, MOVED)
         self._require_all(command.names)
 
     def set_envelope(self, client: BusSession, command: Envelopes) -> bool:
@@ -212,7 +212,7 @@ class SharedScene:
             )
             for stored in stored_objects:
                 stored.wrap(stored.wrapped, job, size)
-            self._converter.ask(job)
+            self._converter.queue(job)
         else:
             for stored in stored_objects:
                 stored.wrap(envelope)
@@ -221,7 +221,7 @@ class SharedScene:
         return not heavy
 
     def _note_envelope(self, name: str) -> None:
-        self.pending.new(name, WRAPPED)
+        self.pending.note_changed(name, WRAPPED)
 
     def _find_stored(self, names: tuple[str, ...]) -> Iterator[tuple[int, StoredObject]]:
         for i, name in enumerate(names):
@@ -247,9 +247,9 @@ class SharedScene:
     def set_quiet(self, client: BusSession, zones: tuple[Zone, ...]) -> None:
         """Replace the quiet zones of a client. Raises CommandRejected."""
         others = sum(len(given) for who, given in self.zones.items() if who is not client)
-        if others + len(zones) > MAX_QUIET_ZONES:
+        if others + len(zones) > MAX_ZONES:
             raise CommandRejected(
-                "limit", f"would be more than {MAX_QUIET_ZONES} zones in all", "$.zones"
+                "limit", f"would be more than {MAX_ZONES} zones in all", "$.zones"
             )
         self.zones[client] = zones
         self.pending.quiet = True

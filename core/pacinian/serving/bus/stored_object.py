@@ -37,7 +37,9 @@ if TYPE_CHECKING:
 MAX_FOCAL_AREA = 1e-3
 # Size of an object's bulk data from which its conversion takes more than 0.1 ms [bytes].
 MIN_HEAVY_BYTES = 1 << 11
-AT_ONCE = 16  # number of objects that are converted in a row while commands wait
+MAX_CONVERTED_AT_ONCE = (
+    16  # largest number of objects that are converted in a row while commands wait
+)
 # Types of shapes that are slow to convert at any size.
 SLOW = Mesh, Voxels, HeightMap, Placed, Union, Intersection, Difference
 MAX_OBJECT_BYTES = CAPACITIES["changes"] * 5 // 8  # maximum size of one encoded object [bytes]
@@ -108,7 +110,7 @@ class StoredObject:
         """Note that the object was removed, so that nothing more is converted for it."""
         self.item = self.wraps = None
 
-    def pose(self) -> bytes:
+    def encode_pose(self) -> bytes:
         """Return the last known pose: x, y, z [m], quaternion x, y, z, w, (7,) float32."""
         if self.moved is not None:
             return self.moved[0]
@@ -116,7 +118,7 @@ class StoredObject:
             return POSE.pack(*self.sent.position, *UPRIGHT)
         return POSE.pack(*self.sent.pose.position, *self.sent.pose.rotation)
 
-    def move(self) -> MoveObject | None:
+    def make_move(self) -> MoveObject | None:
         """Return the last move, if there was one since the put."""
         if self.moved is None:
             return None

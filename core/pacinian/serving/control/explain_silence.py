@@ -31,7 +31,7 @@ NOT_PRESSING = (
 )
 ZONES = "the quiet zones leave no sound where an object presses: move them, or make them smaller"
 PAUSE = "nothing presses at this moment: an envelope is at 0, or the sound has just begun"
-INFEASIBLE = "infeasible"  # name of `Status.infeasible`
+INFEASIBLE, FAILED = "infeasible", "failed"  # names of `Status.infeasible` and `Status.failed`
 # Reasons in `State.skipped` for which the array cannot press on what a hand touches.
 UNREACHED_REASONS = SAMPLES_HARDLY_REACHED, SAMPLES_TOO_FAR, SAMPLES_ON_TRANSDUCER
 
@@ -85,6 +85,9 @@ def _explain_samples(state: State) -> Silence:
     asked, achieved = np.frombuffer(state.asked, "<f4"), np.frombuffer(state.achieved, "<f4")
     if not asked.any():
         return Silence("pause", PAUSE)
+    if state.status == FAILED:
+        solver = f'the solver "{state.solver}"'
+        return Silence("fault", f"{solver} gives gains that are not finite: select another solver")
     unreached = any(state.skipped.get(reason) for reason in UNREACHED_REASONS)
     if unreached and not achieved.any():
         return Silence("out of the array's reach", UNREACHED)

@@ -65,26 +65,26 @@ class Metrics(Collector):
         """Yield the current metrics."""
         state, counts, bus = self._newest()
         for name, value in counts.items():
-            yield _counter(f"control_{name}", f"Control socket: {name}", value)
-        yield _counter("bus_received", "Commands received", bus.received)
-        yield _counter("bus_superseded", "Commands that newer ones superseded", bus.superseded)
-        yield _counter("bus_refused", "Commands refused", bus.refused)
-        yield _gauge("bus_waiting", "Changes that the renderer has not taken yet", bus.waiting)
+            yield _make_counter(f"control_{name}", f"Control socket: {name}", value)
+        yield _make_counter("bus_received", "Commands received", bus.received)
+        yield _make_counter("bus_superseded", "Commands that newer ones superseded", bus.superseded)
+        yield _make_counter("bus_refused", "Commands refused", bus.refused)
+        yield _make_gauge("bus_waiting", "Changes that the renderer has not taken yet", bus.waiting)
         if state is None:
             return
-        yield _counter("ticks", "Ticks of the loop", state.ticks)
-        yield _counter("late_ticks", "Ticks that were late", state.late)
-        yield _counter("frames", "Frames that the device took", state.frames)
-        yield _counter("faults", "Faults", state.fault_count)
-        yield _gauge("armed", "Whether a client has armed the output", state.armed)
-        yield _gauge("tick_rate_hertz", "Ticks per second", state.rate)
-        yield _gauge(
+        yield _make_counter("ticks", "Ticks of the loop", state.ticks)
+        yield _make_counter("late_ticks", "Ticks that were late", state.late)
+        yield _make_counter("frames", "Frames that the device took", state.frames)
+        yield _make_counter("faults", "Faults", state.fault_count)
+        yield _make_gauge("armed", "Whether a client has armed the output", state.armed)
+        yield _make_gauge("tick_rate_hertz", "Ticks per second", state.rate)
+        yield _make_gauge(
             "error_ratio", "Error of the sound pressures at the samples, as emitted", state.error
         )
-        yield _gauge(
+        yield _make_gauge(
             "longest_gap_seconds", "Longest time between frames while armed", state.longest_gap
         )
-        yield _gauge("clients", "Sessions", len(state.clients))
+        yield _make_gauge("clients", "Sessions", len(state.clients))
         yield _make_gauge_family(
             "output",
             "State of the output",
@@ -147,11 +147,11 @@ class _Handler(WSGIRequestHandler):
         """Log nothing: a stranger could fill the log."""
 
 
-def _counter(name: str, text: str, value: float) -> Metric:
+def _make_counter(name: str, text: str, value: float) -> Metric:
     return CounterMetricFamily(f"pacinian_{name}", text, value=value)
 
 
-def _gauge(name: str, text: str, value: float) -> Metric:
+def _make_gauge(name: str, text: str, value: float) -> Metric:
     return GaugeMetricFamily(f"pacinian_{name}", text, value=value)
 
 

@@ -6,15 +6,14 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from pacinian.serving.ipc.clock_offset import ClockOffsetEstimator
-from pacinian.serving.ipc.messages import Permit
+from pacinian.serving.ipc.messages import Permit, PermitState
 from pacinian.wire.replies import Error, Ok
 
 if TYPE_CHECKING:
     from pacinian.wire.replies import Code, Reply
 
-# Time in which the output fades out at a soft end [s].
+# Time in which the output fades out when its session releases it [s].
 FADE_OUT_TIME = 0.02
-SILENT, ARMED, FADING = 0, 1, 2  # values of `Permit.armed`
 
 
 @dataclass(eq=False, slots=True)
@@ -60,7 +59,7 @@ class OutputLease:
     @property
     def armed(self) -> bool:
         """Whether there may be sound now."""
-        return self.permit.armed == ARMED
+        return self.permit.armed == PermitState.ARMED
 
     def pass_time(self, now: float) -> None:
         """End a permit that expires at `now` [s], then carry out the waiting `arm`. Call this first at each time."""
@@ -98,18 +97,20 @@ class OutputLease:
                 if self.fault
                 else "an emergency stop has stopped the output"
             )
-            self._error(session, request, "stopped", problem, "reset first")
+            self._tell_error(session, request, "stopped", problem, "reset first")
             return
         if self.owner not in (None, session):
             if not (take and self._takeover):
                 allowed = (
                     "arm with `take`" if self._takeover else "its settings forbid taking it over"
                 )
-                self._error(session, request, "owner", f"{self._name} owns the output", allowed)
+                self._tell_error(
+                    session, request, "owner", f"{self._name} owns the output", allowed
+                )
                 return
             self._refuse("owner", f"{session.name} has taken the output")
             self._tell_owner("owner", f"{session.name} has taken the output")
-            self._close(now)
+            self._fade_out(now)
         self.owner, self._resume_requested, self.may_resume = session, resume, False
         session.until = max(session.until, now + session.lease)
         if self.armed:
@@ -127,17 +128,17 @@ class OutputLease:
             self._begin(session)
 
     def disarm(self, session: ClientSession, now: float) -> bool:
-        """Let go of the output with a soft end. Return False if another session owns it."""
+        """Release the output; its sound fades out. Return False if another session owns it."""
         if self.owner not in (None, session):
             return False
-        self._leave(now)
+        self._release(now)
         return True
 
-    def gone(self, session: ClientSession, now: float, *, soft: bool = False) -> None:
-        """Note that the session has ended. soft: fade out instead of silencing at once."""
+    def end_session(self, session: ClientSession, now: float, *, fade: bool = False) -> None:
+        """Note that the session has ended. fade: fade out instead of silencing at once."""
         if session is self.owner:
-            self._leave(now)
-            if not soft:
+            self._release(now)
+            if not fade:
                 self._silence()
 
     def stop(self) -> None:
@@ -168,39 +169,39 @@ class OutputLease:
     def _name(self) -> str:
         return self.owner.name if self.owner is not None else ""
 
-    def _leave(self, now: float) -> None:
-        self._refuse("armed", "the session let go of the output first")
-        self._close(now)
+    def _release(self, now: float) -> None:
+        self._refuse("armed", "the session disarmed the output before this request was carried out")
+        self._fade_out(now)
         self.owner, self.may_resume = None, False
 
-    def _close(self, now: float) -> None:
+    def _fade_out(self, now: float) -> None:
         if self.armed:
             self.permit = self.permit._replace(
-                armed=FADING, until=min(self.permit.until, now + FADE_OUT_TIME)
+                armed=PermitState.FADING, until=min(self.permit.until, now + FADE_OUT_TIME)
             )
 
     def _begin(self, session: ClientSession) -> None:
         epoch = self.permit.epoch + 1
-        self.permit = Permit(ARMED, session.until, epoch, scene=session.number)
+        self.permit = Permit(PermitState.ARMED, session.until, epoch, scene=session.number)
         self.may_resume = False
 
     def _silence(self) -> None:
         """Silence at once. No renewal arms the output again, unless `pass_time` sets `may_resume` afterwards."""
-        self.permit = self.permit._replace(armed=SILENT, until=0.0)
+        self.permit = self.permit._replace(armed=PermitState.SILENT, until=0.0)
         self.may_resume = False
 
     def _refuse(self, code: Code, problem: str) -> None:
         """Refuse every pending `arm` of the owner."""
         for request in self._pending_arms:
             if self.owner is not None:
-                self._error(self.owner, request, code, problem)
+                self._tell_error(self.owner, request, code, problem)
         self._pending_arms = []
 
     def _tell_owner(self, code: Code, problem: str, advice: str = "") -> None:
         if self.owner is not None:
-            self._error(self.owner, 0, code, problem, advice)
+            self._tell_error(self.owner, 0, code, problem, advice)
 
-    def _error(
+    def _tell_error(
         self, session: ClientSession, request: int, code: Code, problem: str, advice: str = ""
     ) -> None:
         error = Error(id=request, code=code, message=problem[:1000], advice=advice)

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 MAX_PENDING = 256  # largest number of stops of each kind that wait for silence
 MAX_REMEMBERED = 1024  # largest number of confirmed stops whose repetitions are recognised
-MAX_SILENCING_TIME = 0.5  # time for which a stop waits for silence [s]
+MAX_CONFIRM_TIME = 0.5  # longest time for which a stop waits for silence [s]
 NOT_SILENCED = "all sound was ended, but no guard has confirmed that the device is silent"
 ADVICE = "if the array sounds, switch it off"
 
@@ -20,11 +20,11 @@ ADVICE = "if the array sounds, switch it off"
 class PendingStops:
     """Holds stops until they are confirmed. Pure: callers pass the time and send the answers.
 
-    sounding_until: time of the first stop since the last permit [s]; only a later status proves silence.
+    stopped_at: time of the first stop since the last permit [s]; only a status reported later proves silence.
     """
 
     def __init__(self) -> None:
-        self.sounding_until = -float("inf")
+        self.stopped_at = -float("inf")
         self._datagrams: dict[bytes, tuple[Any, float]] = {}  # sender and time [s], by nonce
         self._confirmed: deque[bytes] = deque(maxlen=MAX_REMEMBERED)  # nonces
         self._messages: list[tuple[bytes, int, float]] = []  # peer, id and time [s]
@@ -50,11 +50,14 @@ class PendingStops:
         return request[0] in self._datagrams
 
     def add_message(self, peer: bytes, number: int, now: float) -> None:
-        """Add a stop that came over a connection. number: its id. With too many, it is answered at the next round."""
+        """Add a stop that came over a connection. number: its id.
+
+        Beyond `MAX_PENDING`, the next round answers it: with an error, unless the device is silent by then.
+        """
         late = len(self._messages) >= MAX_PENDING
         self._messages.append((peer, number, -float("inf") if late else now))
 
-    def answer(
+    def confirm_and_take_replies(
         self, silent: bool, now: float, confirm: Callable[[list[tuple[bytes, Any]]], None]
     ) -> list[tuple[bytes, Ok | Error]]:
         """Confirm all datagrams if the device is silent; return replies, also to peers that waited too long."""
@@ -65,13 +68,13 @@ class PendingStops:
         self._datagrams = {
             nonce: (sender, since)
             for nonce, (sender, since) in self._datagrams.items()
-            if not silent and now - since <= MAX_SILENCING_TIME
+            if not silent and now - since <= MAX_CONFIRM_TIME
         }
         waiting, self._messages = self._messages, []
         for peer, number, since in waiting:
             if silent:
                 replies.append((peer, Ok(id=number)))
-            elif now - since > MAX_SILENCING_TIME:
+            elif now - since > MAX_CONFIRM_TIME:
                 problem = Error(id=number, code="fault", message=NOT_SILENCED, advice=ADVICE)
                 replies.append((peer, problem))
             else:

@@ -1,8 +1,8 @@
 """The control process. It answers at once, whatever the other processes do.
 
 Each round of its polling loop handles a bounded number of requests, then the timed work: leases, link probes, checks of
-the other processes, and the published state. Nothing here blocks, imports a plug-in, or does more for one client than
-for another.
+the other processes, and the published state. Nothing here blocks or imports a plug-in. No client can take more
+time than its share; only the owner's link is probed more often.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from msgspec.structs import replace
 
 from pacinian.errors import WireError, describe_error
 from pacinian.serving.control.pending_stops import PendingStops
-from pacinian.serving.control.selection import Selection
+from pacinian.serving.control.selection import SelectionManager
 from pacinian.serving.control.server_status import ProcessStatuses, StatusPublisher
 from pacinian.serving.control.sessions import ClientSessions
 from pacinian.serving.control.supervisor import SPARE
@@ -76,18 +76,18 @@ class ControlLoop:
     def __init__(
         self,
         settings: Settings,
-        doors: ControlSockets,
+        sockets: ControlSockets,
         memory: Mapping[str, SharedRegister],
         supervisor: Supervisor,
         clock: Callable[[], float] = time.perf_counter,
     ) -> None:
-        self.sessions = ClientSessions(settings, server=_server())
-        self.selection = Selection(settings)
-        self.view = ProcessStatuses(memory)
-        self.publisher = StatusPublisher(settings, self.view, self.sessions)
+        self.sessions = ClientSessions(settings, server=_name_server())
+        self.selections = SelectionManager(settings)
+        self.statuses = ProcessStatuses(memory)
+        self.publisher = StatusPublisher(settings, self.statuses, self.sessions)
         self.counts: Counter[str] = Counter()
         self.newest: State | None = None
-        self._settings, self._doors, self._memory = settings, doors, memory
+        self._settings, self._sockets, self._memory = settings, sockets, memory
         self._supervisor, self._clock = supervisor, clock
         self._log = RateLimitedLog(clock)
         self._written: dict[str, object] = {}
@@ -102,33 +102,35 @@ class ControlLoop:
     @property
     def ready(self) -> bool:
         """Whether all processes have sent a heartbeat and the renderer has reported."""
-        known = self.publisher.known()["solver"]  # the first client must be able to select a solver
-        alive = (self._supervisor.alive(name, time) for name, time in self._heartbeats.items())
+        known = self.publisher.list_known()[
+            "solver"
+        ]  # the first client must be able to select a solver
+        alive = (self._supervisor.is_alive(name, time) for name, time in self._heartbeats.items())
         return bool(known) and all(alive)
 
     @property
     def _heartbeats(self) -> dict[str, float]:
-        view = self.view
+        statuses = self.statuses
         return {
-            "guard": view.device.heartbeat,
-            "bus": view.bus_status.heartbeat,
-            "render": view.report.heartbeat,
+            "guard": statuses.device.heartbeat,
+            "bus": statuses.bus_status.heartbeat,
+            "render": statuses.renderer_status.heartbeat,
         }
 
-    def round(self) -> None:
+    def run_round(self) -> None:
         """Answer the requests, then do the timed work. Raises ServerError if a process ends before all were ready."""
-        watchers, armed = self._doors.watchers, self.sessions.lease.permit.armed
+        watchers, armed = self._sockets.watchers, self.sessions.lease.permit.armed
         if self._stops:
-            self._doors.wait(MIN_WAIT)
+            self._sockets.wait(MIN_WAIT)
         elif self._supervisor.trusted and not (armed or watchers):
-            self._doors.wait(REST_WAIT)
+            self._sockets.wait(REST_WAIT)
         else:
             due = min(self._due.values()) - self._clock()
-            self._doors.wait(min(MAX_WAIT if armed else IDLE_WAIT, max(due, MIN_WAIT)))
-        self._stop()
-        for peer, user, data in self._doors.requests(MAX_ROUND_REQUESTS):
-            self._request(peer, user, data)
-        for why, more in self._doors.take_refusals():
+            self._sockets.wait(min(MAX_WAIT if armed else IDLE_WAIT, max(due, MIN_WAIT)))
+        self._carry_out_stops()
+        for peer, user, data in self._sockets.receive_requests(MAX_ROUND_REQUESTS):
+            self._handle_request(peer, user, data)
+        for why, more in self._sockets.take_refusals():
             self._log.warning("connection refused", why=why, more=more)
         now = self._clock()
         self.sessions.pass_time(now)
@@ -142,9 +144,9 @@ class ControlLoop:
         if self._is_due("others", OTHER_PROBE_INTERVAL, now):
             self._probe(now, owner=False)
         every = 1.0 / self._settings.state_rate
-        if self._doors.watchers > watchers:
+        if self._sockets.watchers > watchers:
             self._due["publish"] = self._due["frame"] = now
-        elif not self._doors.watchers:
+        elif not self._sockets.watchers:
             every = max(every, REST_PUBLISH_INTERVAL)
         if self._is_due("publish", every, now):
             self._publish(now)
@@ -154,22 +156,22 @@ class ControlLoop:
             self._publish_frame(now)
 
     def silence_all(self) -> None:
-        """End all sound: softly where it is permitted, then for good."""
-        ownership = self.sessions.lease
-        if ownership.owner is not None:
-            ownership.disarm(ownership.owner, self._clock())
+        """Let the sound fade out, end the sessions, and stop the output."""
+        lease = self.sessions.lease
+        if lease.owner is not None:
+            lease.disarm(lease.owner, self._clock())
         # Requests are not answered here, because a game that arms again would keep this loop
         # running.
-        while ownership.permit.armed:
-            self._doors.wait(MAX_WAIT)
+        while lease.permit.armed:
+            self._sockets.wait(MAX_WAIT)
             self.sessions.pass_time(self._clock())
             self._write_changes_and_reply()
         self.sessions.end_all("the server ends", self._clock())
-        ownership.stop()
+        lease.stop()
         self._write_changes_and_reply()
         due = self._clock() + REST_WAIT
         while self._stops and self._clock() < due:
-            self._doors.wait(MIN_WAIT)
+            self._sockets.wait(MIN_WAIT)
             self._confirm_stops(self._clock())
 
     def _is_due(self, what: str, every: float, now: float) -> bool:
@@ -178,11 +180,11 @@ class ControlLoop:
         self._due[what] = max(self._due[what] + every, now)
         return True
 
-    def _stop(self) -> None:
+    def _carry_out_stops(self) -> None:
         """Carry out connectionless emergency stops, before all else."""
-        received = self._doors.stop.receive()
+        received = self._sockets.stop.receive()
         confirmed = [each for each in received if self._stops.is_confirmed(each)]
-        self._doors.stop.confirm(confirmed)
+        self._sockets.stop.confirm(confirmed)
         requests = [each for each in received if each not in confirmed]
         if not all(map(self._stops.waits, requests)):
             stopped = self.sessions.lease.permit.stopped
@@ -194,22 +196,24 @@ class ControlLoop:
     def _note_stop(self, user: str, *, before: bool) -> None:
         """Note a stop that is carried out. before: whether all was stopped before it."""
         if not before:  # a status from before the stop proves nothing
-            self._stops.sounding_until = self._clock()
+            self._stops.stopped_at = self._clock()
         self._log.warning("emergency stop", user=user)
 
     def _confirm_stops(self, now: float) -> None:
         """Confirm stops once a guard that lives has reported silence since."""
-        self.view.look()
-        device = self.view.device
-        guarded = self._supervisor.alive("guard", device.heartbeat)
-        silent = guarded and not device.sounding and device.heartbeat > self._stops.sounding_until
-        for peer, reply in self._stops.answer(silent, now, self._doors.stop.confirm):
+        self.statuses.look()
+        device = self.statuses.device
+        guarded = self._supervisor.is_alive("guard", device.heartbeat)
+        silent = guarded and not device.sounding and device.heartbeat > self._stops.stopped_at
+        for peer, reply in self._stops.confirm_and_take_replies(
+            silent, now, self._sockets.stop.confirm
+        ):
             try:
                 self._send(peer, reply)
             except Exception:
                 self._tell_failure(peer, reply.id)
 
-    def _request(self, peer: bytes, user: str, data: bytes) -> None:
+    def _handle_request(self, peer: bytes, user: str, data: bytes) -> None:
         now = self._clock()
         self.counts["requests"] += 1
         rate, tells = self._rates.setdefault(
@@ -224,7 +228,7 @@ class ControlLoop:
             self._log.warning("too many requests", user=user)
             if len(data) > MAX_STOP_BYTES:
                 if tells.take(now):
-                    self._slow_down(peer, id_of(data))
+                    self._tell_busy(peer, id_of(data))
                 return
         try:
             message = decode_control(data)
@@ -239,10 +243,10 @@ class ControlLoop:
             return
         if busy and not isinstance(message, Stop):
             if tells.take(now):
-                self._slow_down(peer, message.id)
+                self._tell_busy(peer, message.id)
             return
         try:
-            self._do(peer, user, message, now)
+            self._carry_out(peer, user, message, now)
             self._write_changes_and_reply()
         except Exception:  # a bug here must not end the server
             self._tell_failure(peer, message.id, user)
@@ -253,7 +257,7 @@ class ControlLoop:
         problem = "the server failed to handle this"
         self._send(peer, Error(id=number, code="fault", message=problem))
 
-    def _do(self, peer: bytes, user: str, message: AnyControl, now: float) -> None:
+    def _carry_out(self, peer: bytes, user: str, message: AnyControl, now: float) -> None:
         sessions, replayed, resets = self.sessions, self.sessions.replayed, self.sessions.resets
         match message:
             case Stop():
@@ -264,22 +268,24 @@ class ControlLoop:
                 self._stops.add_message(peer, message.id, now)
             case Capabilities() | Status() | Select():
                 sessions.pass_time(now)
-                session = sessions.of(peer, message.session, message.id)
+                session = sessions.find(peer, message.session, message.id)
                 if session is None:
                     pass
                 elif isinstance(message, Capabilities):
-                    self._send(peer, self.publisher.abilities(message.id))
+                    self._send(peer, self.publisher.describe_abilities(message.id))
                 elif isinstance(message, Status):
-                    state = self.publisher.state(now, self._supervisor.restarts)
+                    state = self.publisher.make_state(now, self._supervisor.restarts)
                     self._send(peer, replace(state, id=message.id))
                 elif sessions.lease.owner not in (None, session):
                     problem = "another client owns the output"
                     self._send(peer, Error(id=message.id, code="owner", message=problem))
-                elif reply := self.selection.ask(session, message, self.publisher.known(), now):
+                elif reply := self.selections.select(
+                    session, message, self.publisher.list_known(), now
+                ):
                     self._send(peer, reply)
-            case Arm() if not self._supervisor.alive("bus", self.view.bus_status.heartbeat):
+            case Arm() if not self._supervisor.is_alive("bus", self.statuses.bus_status.heartbeat):
                 sessions.pass_time(now)
-                if sessions.of(peer, message.session, message.id):
+                if sessions.find(peer, message.session, message.id):
                     problem = "the bus process is restarting"
                     self._send(peer, Error(id=message.id, code="fault", message=problem))
             case _:
@@ -291,24 +297,27 @@ class ControlLoop:
             self._note_reset(now)
 
     def _note_reset(self, now: float) -> None:
-        faults = {"renderer": self.view.report.halted, "device": self.view.device.fault}
+        faults = {
+            "renderer": self.statuses.renderer_status.halted,
+            "device": self.statuses.device.fault,
+        }
         self._reset = {
             name: (fault, now + FAULT_CLEAR_TIMEOUT) for name, fault in faults.items() if fault
         }
-        self.selection.reset(self.sessions.resets)
+        self.selections.set_reset_count(self.sessions.resets)
         self._log.info("reset")
 
     def _write_changes_and_reply(self) -> None:
         """Write what has changed for the other processes, then send the replies to the clients."""
         while True:
-            ownership = self.sessions.lease
-            self._write("permit", ownership.permit, ownership.permit.pack)
-            stamp = (self.sessions.changes, ownership.owner)
+            lease = self.sessions.lease
+            self._write("permit", lease.permit, lease.permit.pack)
+            stamp = (self.sessions.changes, lease.owner)
             self._write("sessions", stamp, lambda: pack(self.sessions.list_sessions()))
             self._write(
-                "requested_settings",
-                self.selection.requested,
-                lambda: pack(self.selection.requested),
+                "selections",
+                self.selections.newest,
+                lambda: pack(self.selections.newest),
             )
             replies = self.sessions.take_replies()
             if not replies:
@@ -324,46 +333,46 @@ class ControlLoop:
             self._written[name] = value
 
     def _send(self, peer: bytes, reply: Struct) -> None:
-        if not self._doors.reply(peer, encode(reply)):
+        if not self._sockets.reply(peer, encode(reply)):
             self.counts["lost"] += 1
             self.sessions.end_peer(peer, self._clock())
 
-    def _slow_down(self, peer: bytes, number: int) -> None:
+    def _tell_busy(self, peer: bytes, number: int) -> None:
         most = f"more than {self._settings.clients.max_rate:g} messages a second"
         self._send(peer, Error(id=number, code="busy", message=most))
 
     def _probe(self, now: float, *, owner: bool) -> None:
         for session in self.sessions.all:
             if (session is self.sessions.lease.owner) is owner:
-                self._send(session.peer, self.sessions.probe(session, now))
+                self._send(session.peer, self.sessions.make_probe(session, now))
         self._write_changes_and_reply()
 
     def _check_processes(self, now: float) -> None:
         """Read the statuses of the other processes, and check that they live."""
-        self.view.look()
-        ownership = self.sessions.lease
-        report, device = self.view.report, self.view.device
+        self.statuses.look()
+        lease = self.sessions.lease
+        renderer_status, device = self.statuses.renderer_status, self.statuses.device
         for name, fault, results in (
-            ("renderer", report.halted, report.results),
+            ("renderer", renderer_status.halted, renderer_status.results),
             ("device", device.fault, device.results),
         ):
             old, until = self._reset.get(name, ("", 0.0))
-            answered = f"reset {self.selection.requested.reset}" in results
+            answered = f"reset {self.selections.newest.reset}" in results
             if not fault or fault != old or answered or now >= until:
                 self._reset.pop(name, None)
-                if fault and not ownership.fault:
-                    self._fault(f"{name}: {fault}")
-                    ownership.fail(f"{name}: {fault}")
-        sound = device.generation > 0 and (ownership.permit.armed > 0 or device.sounding)
+                if fault and not lease.fault:
+                    self._record_fault(f"{name}: {fault}")
+                    lease.fail(f"{name}: {fault}")
+        sound = device.generation > 0 and (lease.permit.armed > 0 or device.sounding)
         for name, why in self._supervisor.check(self._heartbeats, sound):
             self._handle_exit(name, why, now)
-        self.view.guarded = self._supervisor.alive("guard", self.view.device.heartbeat)
-        for peer, reply in self.selection.answers(self.view.results, now):
+        self.statuses.guarded = self._supervisor.is_alive("guard", self.statuses.device.heartbeat)
+        for peer, reply in self.selections.take_replies(self.statuses.results, now):
             self._send(peer, reply)
         self._write_changes_and_reply()
 
-    def _fault(self, fault: str) -> None:
-        self.publisher.fault(fault)
+    def _record_fault(self, fault: str) -> None:
+        self.publisher.record_fault(fault)
         log().error("fault", fault=fault)
 
     def _handle_exit(self, name: str, why: str, now: float) -> None:
@@ -371,14 +380,14 @@ class ControlLoop:
             self._log.warning("spare guard lost", why=why)
             return
         problem = f"the process {name!r} {why}, and is restarted"
-        self._fault(problem)
+        self._record_fault(problem)
         # the new process does not know of the reset
         self._reset.pop(FAULT_COMPONENTS.get(name, ""), None)
         self.sessions.lease.interrupt("fault", problem)
         if name == "bus":
             self.sessions.end_all(problem, now)
-        if name == "render" and self.selection.renderer_ended(now):
-            self._fault("the configured solver replaces the selected one")
+        if name == "render" and self.selections.note_renderer_end(now):
+            self._record_fault("the configured solver replaces the selected one")
 
     def _publish(self, now: float) -> None:
         self._check_processes(now)  # what is published must have been acted on
@@ -386,19 +395,19 @@ class ControlLoop:
         # A plug-in reported something invalid, or the message is too long (WireError).
         try:
             self.newest = self.publisher.make_next_state(now, self._supervisor.restarts)
-            self._doors.publish(STATE, encode(self.newest))
+            self._sockets.publish(STATE, encode(self.newest))
         except (TypeError, ValueError):
             self.counts["unpublished"] += 1
 
     def _publish_frame(self, now: float) -> None:
-        self.view.look_at_frame()
+        self.statuses.look_at_frame()
         try:
-            self._doors.publish(FRAME, encode(self.publisher.frame(now)))
+            self._sockets.publish(FRAME, encode(self.publisher.make_frame_state(now)))
         except (TypeError, ValueError):
             self.counts["unpublished"] += 1
 
 
-def _server() -> str:
+def _name_server() -> str:
     import importlib.metadata
 
     return f"pacinian {importlib.metadata.version('pacinian')}"

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from msgspec.structs import replace
 
 from pacinian.errors import WireError
-from pacinian.serving.ipc.messages import SUPERSEDED, RequestedSettings
+from pacinian.serving.ipc.messages import SUPERSEDED, Selections
 from pacinian.wire.control import Choice
 from pacinian.wire.convert_modulation import technique_to_scene
 from pacinian.wire.replies import Error, Ok
@@ -23,15 +23,16 @@ if TYPE_CHECKING:
 
 MAX_SELECTION_TIME = 10.0  # time limit to make a solver or to open a device [s]
 # Time after its selection during which a solver is blamed for the end of a renderer [s].
-SUSPECT = 10.0
+SUSPECT_TIME = 10.0
 KINDS = "solver", "backend", "technique", "intensity"
-SETTINGS = "technique", "intensity"  # kinds of which the newest value replaces earlier ones
+# Kinds of which the newest value replaces earlier ones.
+REPLACEABLE_KINDS = "technique", "intensity"
 MAX_PENDING = 8  # maximum number of pending selections
 
 
 @dataclass
 class PendingSelection:
-    """A selection that waits for its results. missing: orders without a result yet. until: time limit [s]."""
+    """A selection that waits for its results. missing: keys of those that have not come. until: time limit [s]."""
 
     peer: bytes
     request: int
@@ -39,25 +40,25 @@ class PendingSelection:
     until: float
 
 
-class Selection:
-    """Keeps the newest selections. orders: for the renderer and the guard."""
+class SelectionManager:
+    """Carries out requests to select. newest: the newest selections, for the renderer and the guard."""
 
     def __init__(self, settings: Settings) -> None:
-        self.requested = RequestedSettings()
+        self.newest = Selections()
         solver = settings.solver  # its options stay with the process that makes it
         self._configured = Choice(name=solver if isinstance(solver, str) else solver.name)
         self._waiting: list[PendingSelection] = []
         self._suspect = -float("inf")  # end of the time in which the solver is suspected [s]
         self._ends = 0
 
-    def ask(
+    def select(
         self,
         session: ClientSession,
         message: Select,
         known: Mapping[str, tuple[str, ...]],
         now: float,
     ) -> Reply | None:
-        """Order what a session selects; return the reply, or None if it must wait for the results.
+        """Select what a session asks for; return the reply, or None if it must wait for the results.
 
         known: names that can be selected, for the kinds "solver" and "backend".
         """
@@ -85,7 +86,7 @@ class Selection:
                     path=error.path[:200],
                 )
         replaced = {
-            f"{kind} {getattr(self.requested, kind)[0]}" for kind in SETTINGS if kind in given
+            f"{kind} {getattr(self.newest, kind)[0]}" for kind in REPLACEABLE_KINDS if kind in given
         }
         if sum(bool(waiting.missing - replaced) for waiting in self._waiting) >= MAX_PENDING:
             return Error(
@@ -93,23 +94,23 @@ class Selection:
             )
         for waiting in self._waiting:
             waiting.missing -= replaced
-        missing = {self._order(kind, value) for kind, value in given.items()}
+        missing = {self._select(kind, value) for kind, value in given.items()}
         self._waiting.append(
             PendingSelection(session.peer, message.id, missing, now + MAX_SELECTION_TIME)
         )
         if message.solver is not None:
-            self._suspect, self._ends = now + SUSPECT, 0
+            self._suspect, self._ends = now + SUSPECT_TIME, 0
         return None
 
-    def reset(self, count: int) -> None:
-        """Set the number of resets ordered so far."""
-        self.requested = replace(self.requested, reset=count)
+    def set_reset_count(self, count: int) -> None:
+        """Set the number of resets so far."""
+        self.newest = replace(self.newest, reset=count)
 
-    def answers(self, results: Mapping[str, str], now: float) -> list[tuple[bytes, Reply]]:
+    def take_replies(self, results: Mapping[str, str], now: float) -> list[tuple[bytes, Reply]]:
         """Return the replies that are due, given all `results` by "kind number".
 
-        Orders of one kind end in the order in which they were sent. If an order has no result although a newer order of
-        its kind has one, the process has never read it.
+        Selections of one kind end in the sequence in which they were made. If one has no result although a newer one of
+        its kind has, the process has never read it.
         """
         replies: list[tuple[bytes, Reply]] = []
         newest: dict[str, int] = {}
@@ -136,20 +137,20 @@ class Selection:
             replies.append((waiting.peer, reply))
         return replies
 
-    def renderer_ended(self, now: float) -> bool:
+    def note_renderer_end(self, now: float) -> bool:
         """Note that the renderer crashed or hung; return whether its solver is given up.
 
-        This happens at the second end within `SUSPECT` after a selection.
+        This happens at the second end within `SUSPECT_TIME` after a selection.
         """
         self._ends += now < self._suspect
         if self._ends < 2:
             return False
         self._suspect, self._ends = -float("inf"), 0
-        self._order("solver", self._configured)
+        self._select("solver", self._configured)
         return True
 
-    def _order(self, kind: str, value: object) -> str:
-        """Order a value; return the key of its result."""
-        number = getattr(self.requested, kind)[0] + 1
-        self.requested = replace(self.requested, **{kind: (number, value)})
+    def _select(self, kind: str, value: object) -> str:
+        """Select a value; return the key of its result."""
+        number = getattr(self.newest, kind)[0] + 1
+        self.newest = replace(self.newest, **{kind: (number, value)})
         return f"{kind} {number}"

@@ -13,7 +13,13 @@ from msgspec.structs import replace
 from pacinian.acoustics.directivity import DIRECTIVITIES
 from pacinian.scene.modulation.presets import PRESETS
 from pacinian.serving.control.explain_silence import find_cause
-from pacinian.serving.ipc.messages import HEAD, BusStatus, DeviceStatus, FrameHead, RendererStatus
+from pacinian.serving.ipc.messages import (
+    HEAD_BYTES,
+    BusStatus,
+    DeviceStatus,
+    FrameHead,
+    RendererStatus,
+)
 from pacinian.wire.binary_arrays import pack
 from pacinian.wire.modulation import Technique
 from pacinian.wire.replies import Abilities, Sound
@@ -34,12 +40,14 @@ S = TypeVar("S", bound=Struct)
 # Number of faults shown.
 MAX_FAULTS = 8
 MAX_TEXT, MAX_NAME = 500, 200  # maximum characters of a fault, and of a backend's name
-INPUT = 32  # size of one hand update in `State.inputs` [bytes]
-OURS = frozenset({"id", "sequence", "time", "output", "armed", "owner", "scene", "backend"})
+INPUT_BYTES = 32  # size of one hand update in `State.inputs` [bytes]
+CONTROL_FIELDS = frozenset(
+    {"id", "sequence", "time", "output", "armed", "owner", "scene", "backend"}
+)
 NO_DEVICE = DeviceStatus(0, 0, "", 0, 0, 0.0, None, -float("inf"), sounding=False)
-NO_REPORT = RendererStatus(-float("inf"), {})
+NO_RENDERER_STATUS = RendererStatus(-float("inf"), {})
 NO_BUS_STATUS = BusStatus(-float("inf"))
-EMPTY = FrameHead(0, 0.0, 0, 0, 0, 0)
+NO_FRAME = FrameHead(0, 0.0, 0, 0, 0, 0)
 
 
 class ProcessStatuses:
@@ -49,16 +57,23 @@ class ProcessStatuses:
     """
 
     def __init__(self, memory: Mapping[str, SharedRegister]) -> None:
-        self.report, self.device, self.bus_status = NO_REPORT, NO_DEVICE, NO_BUS_STATUS
-        self.frame, self.levels = EMPTY, b""
+        self.renderer_status, self.device, self.bus_status = (
+            NO_RENDERER_STATUS,
+            NO_DEVICE,
+            NO_BUS_STATUS,
+        )
+        self.frame, self.levels = NO_FRAME, b""
         self.unreadable, self.guarded = 0, True
         self._memory = memory
         self._numbers = dict.fromkeys(memory, 0)
 
     def look(self) -> None:
         """Read the new statuses, except the frame. The known plug-ins are kept while a process restarts."""
-        report = self._read("renderer_status", self.report)
-        self.report = report if report.solvers else replace(report, solvers=self.report.solvers)
+        new, known = (
+            self._read("renderer_status", self.renderer_status),
+            self.renderer_status.solvers,
+        )
+        self.renderer_status = new if new.solvers else replace(new, solvers=known)
         self.device = self._read("device", self.device)
         self.bus_status = self._read("bus_status", self.bus_status)
 
@@ -67,7 +82,7 @@ class ProcessStatuses:
         if new := self._memory["frame"].read(self._numbers["frame"]):
             self._numbers["frame"], data = new
             try:
-                self.frame, self.levels = FrameHead.unpack(data), data[HEAD:]
+                self.frame, self.levels = FrameHead.unpack(data), data[HEAD_BYTES:]
             except struct.error:
                 self.unreadable += 1
 
@@ -83,15 +98,17 @@ class ProcessStatuses:
 
     @property
     def results(self) -> dict[str, str]:
-        """Results of orders."""
-        return {**self.report.results, **self.device.results}
+        """Results of selections and resets, by "kind number"."""
+        return {**self.renderer_status.results, **self.device.results}
 
 
 class StatusPublisher:
     """Builds the published messages. faults: the server's own, newest last. fault_count: number of its own faults."""
 
-    def __init__(self, settings: Settings, view: ProcessStatuses, sessions: ClientSessions) -> None:
-        self._settings, self._view, self._sessions = settings, view, sessions
+    def __init__(
+        self, settings: Settings, statuses: ProcessStatuses, sessions: ClientSessions
+    ) -> None:
+        self._settings, self._statuses, self._sessions = settings, statuses, sessions
         self.faults: list[str] = []
         self.fault_count = 0
         self._sequence = 0
@@ -103,43 +120,47 @@ class StatusPublisher:
         self._wavelength = medium.wavelength(self._frequency)
         self._sound = describe_sound(array, medium)
 
-    def fault(self, fault: str) -> None:
+    def record_fault(self, fault: str) -> None:
         """Record a fault of the server."""
         self.faults = [*self.faults[1 - MAX_FAULTS :], fault[:MAX_TEXT]]
         self.fault_count += 1
 
-    def output(self) -> Output:
+    def find_output(self) -> Output:
         """Return the output state: the first true one, from worst to best, in the order of the wire's `OUTPUTS`.
 
         It is faulted without a guard or a device, and while a process still reports a fault that was reset.
         """
-        view, ownership, device = self._view, self._sessions.lease, self._view.device
-        there = view.guarded and device.generation
-        if ownership.fault or device.fault or view.report.halted or not there:
+        statuses, lease, device = self._statuses, self._sessions.lease, self._statuses.device
+        there = statuses.guarded and device.generation
+        if lease.fault or device.fault or statuses.renderer_status.halted or not there:
             return "faulted"
-        if ownership.permit.stopped:
+        if lease.permit.stopped:
             return "stopped"
         if device.sounding:
             return "sounding"
-        return "stale" if ownership.armed and device.stale else "silent"
+        return "stale" if lease.armed and device.stale else "silent"
 
-    def state(self, now: float, restarts: dict[str, int]) -> State:
+    def make_state(self, now: float, restarts: dict[str, int]) -> State:
         """Return the state at `now` [s], without hand updates."""
-        report, device, ownership = self._view.report, self._view.device, self._sessions.lease
-        reported = {k: v for k, v in report.state.items() if k not in OURS}
+        renderer_status, device, lease = (
+            self._statuses.renderer_status,
+            self._statuses.device,
+            self._sessions.lease,
+        )
+        reported = {k: v for k, v in renderer_status.state.items() if k not in CONTROL_FIELDS}
         common: dict[str, Any] = {
             "type": "state",
             "sequence": self._sequence,
             "time": now,
-            "output": self.output(),
-            "armed": ownership.armed,
-            "owner": ownership.owner.name if ownership.owner is not None else "",
-            "scene": ownership.owner.scene if ownership.owner is not None else "",
+            "output": self.find_output(),
+            "armed": lease.armed,
+            "owner": lease.owner.name if lease.owner is not None else "",
+            "scene": lease.owner.scene if lease.owner is not None else "",
             "backend": device.name[:MAX_NAME],
             "frames": device.frames,
             "longest_gap": device.longest_gap,
             "restarts": restarts,
-            "clients": self._clients(now),
+            "clients": self._describe_clients(now),
         }
         nothing = {
             "solver": "",
@@ -154,13 +175,14 @@ class StatusPublisher:
             reported["fault_count"] = reported.get("fault_count", 0) + self.fault_count
             made = msgspec.convert({**nothing, **reported, **common}, State)
         except (TypeError, ValueError):  # a plug-in's part is not valid
-            self._view.unreadable += 1
+            self._statuses.unreadable += 1
             made = msgspec.convert({**nothing, **common}, State)
-        found = find_cause(made, resumes=ownership.may_resume)
+        found = find_cause(made, resumes=lease.may_resume)
         cause, why = found or ("", "")
         # not before: an object that could not be put is no cause of a fault
         refused = [
-            f"{name or 'changes'}: {text}"[:MAX_TEXT] for name, text in report.refused.items()
+            f"{name or 'changes'}: {text}"[:MAX_TEXT]
+            for name, text in renderer_status.refused.items()
         ]
         told = [*refused, *made.faults]
         return replace(made, cause=cause, why=why, faults=tuple(told[-MAX_FAULTS:]))
@@ -168,18 +190,18 @@ class StatusPublisher:
     def make_next_state(self, now: float, restarts: dict[str, int]) -> State:
         """Return the state to publish. Each hand update that reached the device is in exactly one of them."""
         self._sequence += 1
-        return replace(self.state(now, restarts), inputs=self._new_inputs())
+        return replace(self.make_state(now, restarts), inputs=self._take_new_inputs())
 
-    def _new_inputs(self) -> bytes:
-        device = self._view.device
+    def _take_new_inputs(self) -> bytes:
+        device = self._statuses.device
         if device.input_count < self._input_count:  # a new guard counts from 0
             self._input_count = 0
-        new = min(device.input_count - self._input_count, len(device.inputs) // INPUT)
+        new = min(device.input_count - self._input_count, len(device.inputs) // INPUT_BYTES)
         self._input_count = device.input_count
-        return device.inputs[len(device.inputs) - INPUT * new :]
+        return device.inputs[len(device.inputs) - INPUT_BYTES * new :]
 
-    def _clients(self, now: float) -> tuple[ClientState, ...]:
-        known, made = self._view.bus_status.clients, list[ClientState]()
+    def _describe_clients(self, now: float) -> tuple[ClientState, ...]:
+        known, made = self._statuses.bus_status.clients, list[ClientState]()
         for session in self._sessions.all:
             objects, commands, errors, dropped, age = known.get(
                 session.key.hex(), (0, 0, 0, 0, 0.0)
@@ -199,32 +221,36 @@ class StatusPublisher:
             )
         return tuple(made)
 
-    def frame(self, now: float) -> FrameState:
+    def make_frame_state(self, now: float) -> FrameState:
         """Return the levels that are emitted, of one row after the other; empty in silence."""
-        view, rows, columns = self._view, self._view.frame.rows, self._view.frame.columns
+        statuses, rows, columns = (
+            self._statuses,
+            self._statuses.frame.rows,
+            self._statuses.frame.columns,
+        )
         self._row += 1
         row = self._row % rows if rows else 0
         size = 2 * columns  # size of a row [bytes]
-        loud = view.device.sounding and rows > 0 and len(view.levels) == 2 * rows * size
+        loud = statuses.device.sounding and rows > 0 and len(statuses.levels) == 2 * rows * size
         end = (row + 1) * size if loud else 0
         amplitudes = rows * size  # where they begin
         return FrameState(
-            sequence=view.frame.sequence,
+            sequence=statuses.frame.sequence,
             time=now,
-            phases=view.device.phases,
-            amplitudes=view.device.amplitudes,
-            phase=view.levels[end - size : end] if loud else b"",
-            amplitude=view.levels[amplitudes + end - size : amplitudes + end] if loud else b"",
-            scene_time=view.frame.time
-            - view.frame.start
+            phases=statuses.device.phases,
+            amplitudes=statuses.device.amplitudes,
+            phase=statuses.levels[end - size : end] if loud else b"",
+            amplitude=statuses.levels[amplitudes + end - size : amplitudes + end] if loud else b"",
+            scene_time=statuses.frame.time
+            - statuses.frame.start
             + row / max(rows, 1) / self._settings.rate,
-            part=(view.frame.part + row) % max(view.frame.parts, 1),
-            parts=view.frame.parts,
+            part=(statuses.frame.part + row) % max(statuses.frame.parts, 1),
+            parts=statuses.frame.parts,
         )
 
-    def abilities(self, request: int) -> Abilities:
+    def describe_abilities(self, request: int) -> Abilities:
         """Return the capabilities reply."""
-        settings, device = self._settings, self._view.device
+        settings, device = self._settings, self._statuses.device
         limits = {
             "gain": settings.gain,
             "pressure": settings.safety.pressure,
@@ -239,7 +265,7 @@ class StatusPublisher:
             limits["power"] = settings.power
         return Abilities(
             id=request,
-            solvers=self._view.report.solvers,
+            solvers=self._statuses.renderer_status.solvers,
             backends=device.backends,
             techniques=tuple(str(kind.__struct_config__.tag) for kind in get_args(Technique)),
             presets=tuple(PRESETS),
@@ -255,11 +281,11 @@ class StatusPublisher:
             sound=replace(self._sound, sizes=device.sizes),
         )
 
-    def known(self) -> dict[str, tuple[str, ...]]:
-        """Names of solvers and backends that can be selected."""
+    def list_known(self) -> dict[str, tuple[str, ...]]:
+        """Return the names of the solvers and the backends that can be selected."""
         return {
-            "solver": _names(self._view.report.solvers),
-            "backend": _names(self._view.device.backends),
+            "solver": _list_names(self._statuses.renderer_status.solvers),
+            "backend": _list_names(self._statuses.device.backends),
         }
 
 
@@ -279,5 +305,5 @@ def describe_sound(array: Array, medium: Air) -> Sound:
     )
 
 
-def _names(plugins: Sequence[Any]) -> tuple[str, ...]:
+def _list_names(plugins: Sequence[Any]) -> tuple[str, ...]:
     return tuple(plugin.name for plugin in plugins)

@@ -17,9 +17,10 @@ if TYPE_CHECKING:
     from pacinian.wire.replies import Code, Reply
 
 # Prefix of the names of private scenes, which no other client may join.
-OWN = "own "
-# Time from a cut connection to silence [s]: `auth.UNCONFIRMED` and a margin for the coarser TCP timer.
-LINK = 0.8
+PRIVATE_SCENE_PREFIX = "own "
+# Longest time from a cut connection to silence [s]: `auth.MAX_UNACKNOWLEDGED_TIME`, and a margin for the coarser TCP
+# timer.
+MAX_DEAD_LINK_TIME = 0.8
 
 
 class ClientSessions:
@@ -62,20 +63,20 @@ class ClientSessions:
         for session in [s for s in self.all if now - s.renewed > timeout]:
             problem = f"the session ended, because the client sent no renewal for {timeout:g} s"
             self._tell(session.peer, Error(code="session", message=problem, advice="say hello"))
-            self._end(session, now)
+            self._end_session(session, now)
 
     def handle(self, peer: bytes, user: str, message: AnyControl, now: float) -> None:
         """Handle a request of an authenticated peer at `now` [s], if it needs nothing but the sessions."""
         self.pass_time(now)
         match message:
             case Hello():
-                self._hello(peer, user, message, now)
+                self._begin_session(peer, user, message, now)
                 return
             case Stop():
                 self.lease.stop()  # confirmed once the guard is silent
                 return
             case _:
-                session = self.of(peer, message.session, message.id)
+                session = self.find(peer, message.session, message.id)
         if session is None:
             return
         match message:
@@ -87,39 +88,39 @@ class ClientSessions:
                 return
             case Disarm():
                 if not self.lease.disarm(session, now):
-                    self._error(peer, message.id, "owner", "another client owns the output")
+                    self._tell_error(peer, message.id, "owner", "another client owns the output")
                     return
             case Reset():
                 self.resets += self.lease.reset()
             case Bye():
-                self._end(session, now, soft=True)
+                self._end_session(session, now, fade=True)
             case _:
                 raise TypeError(type(message).__name__)
         self._tell(peer, Ok(id=message.id))
 
-    def of(self, peer: bytes, key: bytes, request: int = 0) -> ClientSession | None:
+    def find(self, peer: bytes, key: bytes, request: int = 0) -> ClientSession | None:
         """Return the session with that key on this connection; otherwise None, with an error to the peer."""
         session = self._by_key.get(key)
         if session is not None and session.peer == peer:
             return session
         self.replayed += session is not None
         problem = "this connection has no session with that key"
-        self._error(peer, request, "session", problem, "say hello first")
+        self._tell_error(peer, request, "session", problem, "say hello first")
         return None
 
     def end_peer(self, peer: bytes, now: float) -> None:
         """End the session of a lost connection. If it owns the output, this silences it."""
         if session := self._by_peer.get(peer):
-            self._end(session, now)
+            self._end_session(session, now)
 
     def end_all(self, problem: str, now: float) -> None:
         """End all sessions, because their scenes are lost."""
         for session in self.all:
             error = Error(code="session", message=problem, advice="say hello, and put it again")
             self._tell(session.peer, error)
-            self._end(session, now)
+            self._end_session(session, now)
 
-    def probe(self, session: ClientSession, now: float) -> Renewed:
+    def make_probe(self, session: ClientSession, now: float) -> Renewed:
         """Return the unsolicited message that reports the session's lease."""
         return self._make_renewed(session, 0, now)
 
@@ -131,25 +132,27 @@ class ClientSessions:
         self._scenes += 1
         return self._scenes
 
-    def _hello(self, peer: bytes, user: str, message: Hello, now: float) -> None:
+    def _begin_session(self, peer: bytes, user: str, message: Hello, now: float) -> None:
         major = message.protocol[0]
         if major != MAJOR:
             problem = f"the client speaks protocol {major}, the server {MAJOR}.{MINOR}"
             side = "server" if major > MAJOR else "client"
-            self._error(peer, message.id, "version", problem, f"update the {side}")
+            self._tell_error(peer, message.id, "version", problem, f"update the {side}")
             return
-        if message.scene.startswith(OWN):
-            problem = f"a scene's name must not begin with {OWN!r}: this prefix is reserved"
-            self._error(peer, message.id, "argument", problem)
+        if message.scene.startswith(PRIVATE_SCENE_PREFIX):
+            problem = f"a scene's name must not begin with {PRIVATE_SCENE_PREFIX!r}: this prefix is reserved"
+            self._tell_error(peer, message.id, "argument", problem)
             return
         if old := self._by_peer.get(peer):
-            self._end(old, now, soft=True)
+            self._end_session(old, now, fade=True)
         most = self._settings.clients.max_sessions
         if len(self._by_key) >= most:
-            self._error(peer, message.id, "limit", f"the server has its maximum of {most} clients")
+            self._tell_error(
+                peer, message.id, "limit", f"the server has its maximum of {most} clients"
+            )
             return
         most_lease = self._settings.safety.lease
-        scene = message.scene or f"{OWN}{secrets.token_hex(8)}"
+        scene = message.scene or f"{PRIVATE_SCENE_PREFIX}{secrets.token_hex(8)}"
         session = ClientSession(
             key=secrets.token_bytes(SESSION),
             peer=peer,
@@ -172,7 +175,7 @@ class ClientSessions:
                 time=now,
                 scene=session.scene,
                 lease=session.lease,
-                link=LINK,
+                link=MAX_DEAD_LINK_TIME,
                 rate=self._settings.rate,
             ),
         )
@@ -180,10 +183,10 @@ class ClientSessions:
     def _renew(self, session: ClientSession, message: Renew, now: float) -> None:
         if message.sequence <= session.sequence:
             problem = f"renewal {message.sequence} is not above {session.sequence}"
-            self._error(session.peer, message.id, "sequence", problem)
+            self._tell_error(session.peer, message.id, "sequence", problem)
             return
         session.sequence, session.time, session.renewed = message.sequence, message.time, now
-        sent = now - session.clock.age(message.time, now)
+        sent = now - session.clock.compute_age(message.time, now)
         session.until = max(session.until, sent + session.lease)
         self.lease.renew(session, now)
         self._tell(session.peer, self._make_renewed(session, message.id, now))
@@ -200,13 +203,15 @@ class ClientSessions:
             armed=owner and self.lease.armed,
         )
 
-    def _end(self, session: ClientSession, now: float, *, soft: bool = False) -> None:
+    def _end_session(self, session: ClientSession, now: float, *, fade: bool = False) -> None:
         del self._by_key[session.key], self._by_peer[session.peer]
         self.changes += 1
-        self.lease.gone(session, now, soft=soft)
+        self.lease.end_session(session, now, fade=fade)
 
     def _tell(self, peer: bytes, reply: Reply) -> None:
         self.lease.replies.append((peer, reply))
 
-    def _error(self, peer: bytes, request: int, code: Code, problem: str, advice: str = "") -> None:
+    def _tell_error(
+        self, peer: bytes, request: int, code: Code, problem: str, advice: str = ""
+    ) -> None:
         self._tell(peer, Error(id=request, code=code, message=problem, advice=advice))

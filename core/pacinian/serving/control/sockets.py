@@ -53,7 +53,7 @@ class ControlSockets(Closeable):
     def __init__(
         self,
         context: zmq.Context[zmq.Socket[bytes]],
-        gate: Authenticator,
+        authenticator: Authenticator,
         network: Network,
         stop: StopSocket,
     ) -> None:
@@ -61,12 +61,12 @@ class ControlSockets(Closeable):
         self.counts: Counter[str] = Counter()
         self.watchers = 0
         """Number of connections to the state socket."""
-        self._gate = gate
+        self._authenticator = authenticator
         with contextlib.ExitStack() as stack:
             self._control = stack.enter_context(context.socket(zmq.ROUTER))
             self._state = stack.enter_context(context.socket(zmq.PUB))
-            gate.protect(self._control, MAX_CONTROL_BYTES)
-            gate.protect(self._state, MAX_SUBSCRIPTION_BYTES)
+            authenticator.protect(self._control, MAX_CONTROL_BYTES)
+            authenticator.protect(self._state, MAX_SUBSCRIPTION_BYTES)
             self._control.rcvhwm = MAX_WAITING_REQUESTS
             self._state.sndhwm = MAX_WAITING_STATES
             self._monitors = [
@@ -86,14 +86,14 @@ class ControlSockets(Closeable):
         """Wait at most `seconds` for a request; return whether there is one."""
         return bool(self._poller.poll(math.ceil(1e3 * seconds)))
 
-    def requests(self, most: int) -> Iterator[tuple[bytes, str, bytes]]:
+    def receive_requests(self, most: int) -> Iterator[tuple[bytes, str, bytes]]:
         """Yield at most `most` requests: peer, user, message. The message is empty unless it was a single part."""
         for _ in range(most):
             taken = receive(self._control)
             if taken is None:
                 return
             peer, user, data = taken
-            yield peer, self._gate.name(user), data
+            yield peer, self._authenticator.name_user(user), data
 
     def reply(self, peer: bytes, data: bytes) -> bool:
         """Send to a peer; return False if it is gone. A peer that does not read misses the reply."""
@@ -131,7 +131,7 @@ class ControlSockets(Closeable):
                     why = REFUSED[event]
                     self.counts[f"refused_{why}"] += 1
                     seen.append((why, f"code {value}"))
-        seen += [("key", key) for key in self._gate.unknown()]
+        seen += [("key", key) for key in self._authenticator.take_unknown_keys()]
         return seen
 
     def close(self) -> None:

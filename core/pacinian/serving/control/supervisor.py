@@ -10,37 +10,37 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 from pacinian.errors import ServerError
-from pacinian.serving.ipc.hang_detection import MAX_CHECK_GAP, compute_hang_limit
+from pacinian.serving.ipc.hang_detection import WatchedTime, compute_hang_limit
 from pacinian.serving.ipc.logs import log
-from pacinian.serving.ipc.spawned_process import SystemProcess
+from pacinian.serving.ipc.processes import Child
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
 START_ORDER = "guard", "bus", "render"  # the processes, in the order in which they start
-# Names of the guard, and of its spare, which waits to be called.
+# Names of the guard, and of its spare, which waits to be activated.
 GUARD, SPARE = "guard", "spare"
 # The processes in the order in which they end. The guard is last, because the device is silenced last.
 END_ORDER = "render", "bus", "guard"
 # Time limit for the first heartbeat of a process [s]. It is long because other processes may occupy the CPUs.
 MAX_FIRST_HEARTBEAT_TIME = 120.0
 # Time after which the log names a process that has not sent its first heartbeat [s].
-SLOW_START = 10.0
+SLOW_START_TIME = 10.0
 # Time limit for the first heartbeat of a spare that takes over a device that may sound, if the spare has not waited for
 # long [s].
-SOUNDING_START = 5.0
+MAX_SOUNDING_START_TIME = 5.0
 # Delay from the end of a process to its restart: first, and largest value. It doubles each time [s].
 MIN_RESTART_DELAY, MAX_RESTART_DELAY = 0.05, 5.0
 # Time after which a running process is trusted again [s].
 BACKOFF_RESET_TIME = 10.0
 MAX_END_TIME = 3.0  # time limit for a process to end after it was asked to [s]
-# Time limit for another guard to open the device, at the end of the server [s].
-MAX_SILENCING_TIME = 5.0
+# Time limit for another guard to take over the device, at the end of the server [s].
+MAX_TAKEOVER_TIME = 5.0
 POLL_INTERVAL = 0.01  # interval between two checks whether a new guard has opened the device [s]
 
 
-class Process(SystemProcess, Protocol):
-    """The part of `child_process.Process` that the supervisor needs."""
+class SupervisedChild(Child, Protocol):
+    """The part of `launched_child.LaunchedChild` that the supervisor needs."""
 
     def activate(self) -> None:
         """Let a spare begin; returns at once."""
@@ -52,22 +52,22 @@ class Process(SystemProcess, Protocol):
 
 
 @dataclass
-class Child:
-    """One process.
+class ChildRecord:
+    """What the supervisor knows of one process.
 
-    started: when it was started, or called if it was a spare [s]. patience: time limit to its first heartbeat [s]. due:
-    when to restart it [s]. wait: delay of the restart [s]. heartbeat: time of its last heartbeat [s]. heard: time
-    watched up to then [s]. named: whether the log has named it because it starts slowly. sounded: whether there may
-    have been sound since it started. If so, its end delays nothing for longer: a device without a watchdog sounds until
-    the next guard has opened it.
+    started: when it was started, or activated if it was a spare [s]. start_limit: time limit to its first heartbeat
+    [s]. due: when to restart it [s]. delay: of the restart [s]. heartbeat: its last one [s]. heard: `_watched` at that
+    heartbeat [s]. named: whether the log has named it because it starts slowly. sounded: whether there may have been
+    sound since it started. If so, its end does not lengthen the restart delay, because a device without a watchdog
+    sounds until the next guard opens it.
     """
 
     name: str
-    process: Process
+    process: SupervisedChild
     started: float
-    patience: float = MAX_FIRST_HEARTBEAT_TIME
+    start_limit: float = MAX_FIRST_HEARTBEAT_TIME
     due: float | None = None
-    wait: float = MIN_RESTART_DELAY
+    delay: float = MIN_RESTART_DELAY
     restarts: int = 0
     heartbeat: float = 0.0
     heard: float = 0.0
@@ -78,7 +78,7 @@ class Child:
 class Supervisor:
     """Starts the child processes and keeps them running.
 
-    start: starts a process by name; its second argument is the process id to stand by for (a spare), or 0.
+    start_child: starts a process by name; its second argument is the process id to stand by for (a spare), or 0.
     hang_timeout: time without a heartbeat after which a process is killed [s]. trusted: whether all have been ready
     once. Until then, the end of a process is an error, because it would most likely end again. plugins: the plug-in
     that a process starts with, by process, for messages.
@@ -92,22 +92,21 @@ class Supervisor:
 
     def __init__(
         self,
-        start: Callable[[str, int], Process],
+        start_child: Callable[[str, int], SupervisedChild],
         hang_timeout: float,
         clock: Callable[[], float] = time.perf_counter,
         plugins: Mapping[str, str] | None = None,
     ) -> None:
         self._plugins = plugins or {}
-        self._start, self._hang_timeout, self._clock = start, hang_timeout, clock
+        self._start_child, self._hang_timeout, self._clock = start_child, hang_timeout, clock
         self.trusted = False
-        self._last = clock()  # time of the last check [s]
-        self._watched = 0.0  # time spent watching [s]
-        self._spare: Child | None = None
+        self._watched = WatchedTime(clock())
+        self._spare: ChildRecord | None = None
         self._spare_due = 0.0  # when to start the spare [s]
-        self.children: dict[str, Child] = {}
+        self.children: dict[str, ChildRecord] = {}
         try:
             for name in START_ORDER:
-                self.children[name] = Child(name, start(name, 0), clock())
+                self.children[name] = ChildRecord(name, start_child(name, 0), clock())
         except BaseException:
             self.end()
             raise
@@ -126,7 +125,7 @@ class Supervisor:
             for child in self.children.values()
         )
 
-    def alive(self, name: str, heartbeat: float) -> bool:
+    def is_alive(self, name: str, heartbeat: float) -> bool:
         """Return whether the `heartbeat` [s] comes from the current process of that name."""
         child = self.children[name]
         return child.due is None and heartbeat >= child.started
@@ -137,9 +136,7 @@ class Supervisor:
         sound: whether there may be sound. Raises ServerError if a process ends before all were ready.
         """
         ended: list[tuple[str, str]] = []
-        now = self._clock()
-        self._watched += min(now - self._last, MAX_CHECK_GAP)
-        self._last = now
+        self._watched.advance(self._clock())
         for name, child in self.children.items():
             now = self._clock()
             limit = compute_hang_limit(self._hang_timeout, sound=sound and name == GUARD)
@@ -154,13 +151,13 @@ class Supervisor:
                         f"the process {name!r}{starts} {why} before the server was ready"
                     )
                 if now - child.started > BACKOFF_RESET_TIME:
-                    child.wait = MIN_RESTART_DELAY
+                    child.delay = MIN_RESTART_DELAY
             if why:
                 if child.due is None and child.sounded:
                     child.due = now + MIN_RESTART_DELAY
                 else:
-                    child.due = now + child.wait
-                    child.wait = min(MAX_RESTART_DELAY, 2.0 * child.wait)
+                    child.due = now + child.delay
+                    child.delay = min(MAX_RESTART_DELAY, 2.0 * child.delay)
                 ended.append((name, why))
                 self._restart_or_promote_spare(child, now)  # the spare takes over at once
         if self.trusted and (why := self._look_after_spare(heartbeats)):
@@ -171,21 +168,21 @@ class Supervisor:
         """Start the spare if it is due; return why there is none."""
         guard, now = self.children[GUARD], self._clock()
         if self._spare is None:
-            if now < self._spare_due or not self.alive(GUARD, heartbeats.get(GUARD, 0.0)):
+            if now < self._spare_due or not self.is_alive(GUARD, heartbeats.get(GUARD, 0.0)):
                 return ""
             try:
-                self._spare = Child(SPARE, self._start(SPARE, guard.process.pid), now)
+                self._spare = ChildRecord(SPARE, self._start_child(SPARE, guard.process.pid), now)
             except (OSError, ServerError) as error:
                 why = f"could not be started: {error}"
             else:
                 return ""
         elif not (why := self._check_child(self._spare, now, math.inf)):
             return ""
-        self._spare, self._spare_due = None, now + guard.wait
-        guard.wait = min(MAX_RESTART_DELAY, 2.0 * guard.wait)
+        self._spare, self._spare_due = None, now + guard.delay
+        guard.delay = min(MAX_RESTART_DELAY, 2.0 * guard.delay)
         return why
 
-    def _restart_or_promote_spare(self, child: Child, now: float) -> str:
+    def _restart_or_promote_spare(self, child: ChildRecord, now: float) -> str:
         """Restart a process if it is due and the old one has ended; return why that failed, or ""."""
         if child.due is None or child.process.poll() is None:
             return ""
@@ -195,41 +192,44 @@ class Supervisor:
             loaded = now - spare.started > BACKOFF_RESET_TIME
             # the device of the last guard may sound meanwhile
             young = (
-                max(self._hang_timeout, SOUNDING_START)
+                max(self._hang_timeout, MAX_SOUNDING_START_TIME)
                 if child.sounded
                 else MAX_FIRST_HEARTBEAT_TIME
             )
-            child.patience = self._hang_timeout if loaded else young
+            child.start_limit = self._hang_timeout if loaded else young
             child.process.activate()
         elif now < child.due:
             return ""
         else:
             try:
-                child.process, child.patience = self._start(child.name, 0), MAX_FIRST_HEARTBEAT_TIME
+                child.process, child.start_limit = (
+                    self._start_child(child.name, 0),
+                    MAX_FIRST_HEARTBEAT_TIME,
+                )
             except (OSError, ServerError) as error:
                 return f"could not be started: {error}"
-        child.started, child.due, child.heard = now, None, self._watched
+        child.started, child.due, child.heard = now, None, self._watched.seconds
         child.named = child.sounded = False
         child.restarts += 1
         return ""
 
-    def _check_child(self, child: Child, heartbeat: float, limit: float) -> str:
+    def _check_child(self, child: ChildRecord, heartbeat: float, limit: float) -> str:
         if (code := child.process.poll()) is not None:
             return f"was killed by signal {-code}" if code < 0 else f"ended with exit code {code}"
         seen = heartbeat >= child.started
         if heartbeat != child.heartbeat:
-            child.heartbeat, child.heard = heartbeat, self._watched
-        waited = self._watched - child.heard
-        if waited > SLOW_START and not (seen or child.named):
+            child.heartbeat, child.heard = heartbeat, self._watched.seconds
+        waited = self._watched.seconds - child.heard
+        if waited > SLOW_START_TIME and not (seen or child.named):
             child.named = True
             log().warning(
                 "a process starts slowly",
                 name=child.name,
                 plugin=self._plugins.get(child.name, "none"),
                 waited=f"{waited:.0f} s",
-                limit=f"{child.patience:g} s",
+                limit=f"{child.start_limit:g} s",
             )
-        if waited <= (limit if seen else child.patience):
+        if waited <= (limit if seen else child.start_limit):
             return ""
         child.process.kill()
         return "hung, and was killed" if seen else "did not start, and was killed"
@@ -254,7 +254,7 @@ class Supervisor:
             raise ServerError("the device may still sound, and cannot be reached: switch it off")
         return killed
 
-    def _silence_again(self, guard: Child, has_device: Callable[[float], bool]) -> bool:
+    def _silence_again(self, guard: ChildRecord, has_device: Callable[[float], bool]) -> bool:
         """Let another guard open the device, and end it; return whether it has ended in order."""
         if guard.process.poll() is None:
             return False  # the system does not let it end
@@ -262,7 +262,7 @@ class Supervisor:
         try:
             if self._restart_or_promote_spare(guard, since):
                 return False
-            due = self._clock() + MAX_SILENCING_TIME
+            due = self._clock() + MAX_TAKEOVER_TIME
             while not (opened := has_device(since)) and guard.process.poll() is None:
                 if self._clock() >= due:
                     break

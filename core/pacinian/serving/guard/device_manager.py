@@ -9,7 +9,9 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple, cast
 
+from pacinian.argument_checks import check_kind
 from pacinian.errors import BackendError, describe_error
+from pacinian.plugins.backend import Capability
 from pacinian.rendering.clock import SystemClock
 from pacinian.scene.config_sections import PluginConfig
 from pacinian.serving.ipc import plugin_list
@@ -20,10 +22,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from pacinian.acoustics.array import Array
-    from pacinian.plugins.backend import Backend, Capability
+    from pacinian.plugins.backend import Backend
     from pacinian.rendering.clock import Clock
     from pacinian.serving.guard.output_gate import OutputGate
-    from pacinian.serving.ipc.messages import RequestedSettings
+    from pacinian.serving.ipc.messages import Selections
     from pacinian.wire.control import Choice
 
 # Maximum number of results kept.
@@ -37,12 +39,12 @@ RETRY_TIME, RETRY_INTERVAL = 1.0, 0.02
 
 
 class OpenResult(NamedTuple):
-    """The result of opening a device for `orders`.
+    """The result of opening a device. keys: of the results of the selections and resets that wait for it.
 
     problem: why there is no device. wrong_setting: the setting, "backend" or "rate", that no device could accept.
     """
 
-    orders: tuple[str, ...]
+    keys: tuple[str, ...]
     choice: Choice | PluginConfig
     device: tuple[Backend, Capability] | None = None
     problem: str = ""
@@ -51,14 +53,14 @@ class OpenResult(NamedTuple):
 
 @dataclass(eq=False)
 class OpenAttempt:
-    """An attempt to open a device, in a thread.
+    """An attempt to open a device, in a thread. keys: as in `OpenResult`.
 
     devices_to_close: devices to close first. previous_guard_device: the device of the guard before this one, which may
     still sound. The thread opens and closes it first, which silences it. since: when the attempt began [s]. until: when
     to stop retrying [s].
     """
 
-    orders: tuple[str, ...]
+    keys: tuple[str, ...]
     choice: Choice | PluginConfig
     devices_to_close: list[Backend]
     previous_guard_device: PluginConfig | None
@@ -67,25 +69,26 @@ class OpenAttempt:
 
 
 class NextDevice:
-    """The next device to open. choice: selected by `order`; None reopens the current one.
+    """The next device to open. choice: the selected device; None reopens the current one.
 
-    resets: reset orders that also wait for this device. devices_to_close: devices to close first.
+    selection: key of its result, or "". resets: keys of the results of the resets that also wait for this device.
+    devices_to_close: devices to close first.
     """
 
     def __init__(self) -> None:
         self.choice: Choice | PluginConfig | None = None
-        self.order = ""
+        self.selection = ""
         self.resets: list[str] = []
         self.devices_to_close: list[Backend] = []
 
     @property
-    def orders(self) -> tuple[str, ...]:
-        """All orders that wait."""
-        return (self.order, *self.resets) if self.order else tuple(self.resets)
+    def keys(self) -> tuple[str, ...]:
+        """The keys of all results that wait."""
+        return (self.selection, *self.resets) if self.selection else tuple(self.resets)
 
 
 class DeviceManager:
-    """Gives an output gate its devices, as ordered. It opens one at a time, and keeps only the newest that waits.
+    """Gives an output gate its devices, as selected. It opens one at a time, and keeps only the newest that waits.
 
     choice: the first device. array: the array that the devices drive. rate: of the loop [Hz]. make, thread, clock: for
     tests.
@@ -114,26 +117,26 @@ class DeviceManager:
         self._thread = thread or functools.partial(start_background_thread, name="device")
         self._clock = clock or SystemClock()
         self._open_results: queue.SimpleQueue[tuple[OpenAttempt, OpenResult]] = queue.SimpleQueue()
-        self._selected = self._reset = 0  # the last order of each kind
+        self._selected = self._reset = 0  # number of the last selection, and of the last reset
         self._attempt: OpenAttempt | None = None
         self._hanging = 0  # number of abandoned devices whose threads have not returned
         self._previous_guard_device: PluginConfig | None = None
         self._retry_time = 0.0  # time for which to retry the next device [s]
         self._choices: dict[int, PluginConfig] = {}  # choices by generation
         self._next = NextDevice()  # waits while another device is being opened
-        # Maps a generation to the orders that wait for its first frame.
+        # Maps a generation to the keys of the results that wait for its first frame.
         self._coming: dict[int, tuple[str, ...]] = {}
 
     def begin(
-        self, orders: RequestedSettings, previous_guard_device: PluginConfig | None = None
+        self, selections: Selections, previous_guard_device: PluginConfig | None = None
     ) -> None:
         """Open the first device: the one selected before the guard was restarted, or the configured one.
 
         previous_guard_device: the device of the guard before this one. It may still sound, and the system may hold it
         for a moment.
         """
-        self._reset = orders.reset
-        self._selected, selected = orders.backend
+        self._reset = selections.reset
+        self._selected, selected = selections.backend
         self._choice = selected or self._choice
         if previous_guard_device is not None:
             self._choices[0] = previous_guard_device
@@ -152,27 +155,27 @@ class DeviceManager:
         gate = self._gate
         return self._attempt is not None or gate.next_backend is not None or bool(gate.to_close)
 
-    def follow(self, orders: RequestedSettings) -> None:
-        """Carry out the orders that are new."""
-        number, choice = orders.backend
+    def follow(self, selections: Selections) -> None:
+        """Carry out the selections and the reset that are new."""
+        number, choice = selections.backend
         if number != self._selected and choice is not None:
             self._selected = number
             self._select(f"backend {number}", choice)
-        if orders.reset != self._reset:
-            self._reset = orders.reset
+        if selections.reset != self._reset:
+            self._reset = selections.reset
             self._reset_or_reopen(f"reset {self._reset}")
 
-    def _select(self, order: str, choice: Choice | PluginConfig) -> None:
-        if self._next.order:
-            self._note_result(self._next.order, SUPERSEDED)
-        self._next.order, self._next.choice = order, choice
+    def _select(self, key: str, choice: Choice | PluginConfig) -> None:
+        if self._next.selection:
+            self._note_result(self._next.selection, SUPERSEDED)
+        self._next.selection, self._next.choice = key, choice
         self._open()
 
-    def _reset_or_reopen(self, order: str) -> None:
+    def _reset_or_reopen(self, key: str) -> None:
         """Reset after a fault: switch to the waiting device, or reopen the current one."""
         gate = self._gate
         if gate.fault and gate.next_backend is None:
-            self._next.resets.append(order)
+            self._next.resets.append(key)
             if (old := gate.release()) is not None:
                 self._next.devices_to_close.append(old)
             self._open()
@@ -180,7 +183,7 @@ class DeviceManager:
         if gate.fault:
             gate.switch()
             gate.clear()
-        self._note_result(order)
+        self._note_result(key)
 
     def poll(self) -> None:
         """Take the devices that have opened, and close those that were replaced."""
@@ -193,9 +196,9 @@ class DeviceManager:
             problem = (
                 f"{attempt.choice.name}: did not open within {OPEN_TIMEOUT:g} s, and was abandoned"
             )
-            self._take(OpenResult(attempt.orders, attempt.choice, problem=problem))
-        for order in self._coming.pop(gate.generation, ()):  # the device has got its first frame
-            self._note_result(order)
+            self._take(OpenResult(attempt.keys, attempt.choice, problem=problem))
+        for key in self._coming.pop(gate.generation, ()):  # the device has got its first frame
+            self._note_result(key)
         while gate.to_close and self._start(functools.partial(self._close, gate.to_close[-1])):
             gate.to_close.pop()
 
@@ -208,33 +211,33 @@ class DeviceManager:
             self._gate.to_close.append(result.device[0])
 
     def _take(self, result: OpenResult) -> None:
-        gate, (orders, choice, device, problem, self.wrong_setting) = self._gate, result
+        gate, (keys, choice, device, problem, self.wrong_setting) = self._gate, result
         self._attempt = None
         if device is None:
-            for order in orders:
-                self._note_result(order, problem)
+            for key in keys:
+                self._note_result(key, problem)
             if gate.backend is None:
                 gate.clear()
                 gate.fail(problem)
         else:
-            if gate.backend is not None and self._next.order:
+            if gate.backend is not None and self._next.selection:
                 gate.to_close.append(device[0])
-                for order in orders:
-                    self._note_result(order, SUPERSEDED)
+                for key in keys:
+                    self._note_result(key, SUPERSEDED)
             else:
                 for late in itertools.chain(*self._coming.values()):
                     self._note_result(late, SUPERSEDED)
                 self._choice = choice
                 generation = gate.take(*device)
-                self._coming = {generation: orders}
+                self._coming = {generation: keys}
                 self._choices = {n: c for n, c in self._choices.items() if n == gate.generation}
                 self._choices[generation] = self._convert_choice(choice)
-            if any(order.startswith("reset") for order in orders):
+            if any(key.startswith("reset") for key in keys):
                 gate.clear()
         self._open()
 
-    def _note_result(self, order: str, problem: str = "") -> None:
-        self.results[order] = problem
+    def _note_result(self, key: str, problem: str = "") -> None:
+        self.results[key] = problem
         self._gate.changed = True
         for old in list(self.results)[:-MAX_RESULTS]:
             del self.results[old]
@@ -242,19 +245,19 @@ class DeviceManager:
     def _open(self) -> None:
         """Open the next device, unless one is being opened."""
         ahead, gate = self._next, self._gate
-        if self._attempt is not None or not ahead.orders:
+        if self._attempt is not None or not ahead.keys:
             return
         self._next = NextDevice()
         # A device that was selected has taken over meanwhile.
         if ahead.choice is None and gate.backend is not None:
             gate.to_close += ahead.devices_to_close
             gate.clear()
-            for order in ahead.resets:
-                self._note_result(order)
+            for key in ahead.resets:
+                self._note_result(key)
             return
         choice, now = ahead.choice or self._choice, self._clock.now()
         attempt = OpenAttempt(
-            ahead.orders,
+            ahead.keys,
             choice,
             ahead.devices_to_close,
             self._previous_guard_device,
@@ -275,7 +278,7 @@ class DeviceManager:
                 problem = f"{choice.name}: the system permits no more threads"
         if problem:
             gate.to_close += ahead.devices_to_close
-            self._take(OpenResult(ahead.orders, choice, problem=problem))
+            self._take(OpenResult(ahead.keys, choice, problem=problem))
 
     def _start(self, work: Callable[[], None]) -> bool:
         """Run `work` in a thread; return whether the system permits one."""
@@ -318,18 +321,23 @@ class DeviceManager:
 
     def _close(self, backend: Backend) -> None:
         # The device was silenced before, or is faulty; a reset reports what is wrong.
-        with suppress(Exception):
+        with suppress(BaseException):  # whatever a plug-in raises
             backend.close()
         self._gate.mark_closed(backend)
 
     def _try_open_once(self, attempt: OpenAttempt, choice: Choice | PluginConfig) -> OpenResult:
         """Try once to open a device. An abandoned device is not opened."""
-        backend, orders, checked = None, attempt.orders, "backend"
+        backend, keys, checked = None, attempt.keys, "backend"
         # Catch whatever a plug-in raises, because an exception must not end the thread.
         try:
             backend = self._make(choice)
-            can, checked = backend.capability, "rate"
-            check_rate(can.rate, self._rate)
+            given = backend.capability
+            check_kind("capability", given, Capability)
+            checked = "rate"
+            check_rate(given.rate, self._rate)
+            checked = "backend"
+            # Checked again: a plug-in may have set fields of it, or derived from it.
+            can = Capability(given.phases, given.amplitudes, given.rate, given.watchdog)
             checked = ""
             if attempt is not self._attempt:
                 raise BackendError(SUPERSEDED)
@@ -341,9 +349,9 @@ class DeviceManager:
             invalid = any(isinstance(e, TypeError | ValueError) for e in (error, error.__cause__))
             problem = _name_device(choice.name, describe_error(error))
             return OpenResult(
-                orders, choice, problem=problem, wrong_setting=checked if invalid else ""
+                keys, choice, problem=problem, wrong_setting=checked if invalid else ""
             )
-        return OpenResult(orders, choice, (backend, can))
+        return OpenResult(keys, choice, (backend, can))
 
 
 def _make_backend(choice: Choice | PluginConfig, configured: Choice | PluginConfig) -> Backend:

@@ -16,8 +16,8 @@ import numpy as np
 
 from pacinian.errors import BackendError, describe_error, shorten
 from pacinian.plugins.backend import Capability, Frame
-from pacinian.serving.ipc.messages import HEAD, MAX_ROWS, DeviceStatus, FrameHead, Permit
-from pacinian.serving.ipc.scheduling import ANY
+from pacinian.serving.ipc.messages import HEAD_BYTES, MAX_ROWS, DeviceStatus, FrameHead, Permit
+from pacinian.serving.ipc.scheduling import ANY_CORE
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 # Largest number of hand updates kept for the status.
 MAX_INPUTS = 256
-NONE = FrameHead(0, 0.0, -1, -1, 0, 0)
+NO_FRAME = FrameHead(0, 0.0, -1, -1, 0, 0)
 _INPUT = struct.Struct("<4d")  # layout of a hand update: sequence, sent, received, emitted
 
 
@@ -69,7 +69,7 @@ class OutputGate:
         self._columns, self._gain, self._max_age, self._clock = columns, gain, frame_timeout, clock
         self._generations = 0
         self._can = self._next_capability = Capability()
-        self._head, self._data = NONE, b""  # the newest frame
+        self._head, self._data = NO_FRAME, b""  # the newest frame
         self._waits = False  # the newest frame has not been let through yet
         # Times [s]: newest frame seen, last frame of this device and epoch seen, epoch began.
         self._seen = self._fed = self._armed = -math.inf
@@ -153,11 +153,11 @@ class OutputGate:
         if permit.epoch != self._epoch:
             self._epoch, self._armed, self._passed, self._gap = permit.epoch, now, math.nan, 0.0
         if frame is not None:
-            self._see(frame, now)
+            self._note_frame(frame, now)
             if self.next_generation and self._head.device == self.next_generation:
                 self.switch()
                 return True
-        reason = self._reason(permit, now)
+        reason = self._find_reason(permit, now)
         if self.is_stale != (reason == "stale"):
             self.is_stale, self.changed = not self.is_stale, True
         if reason:
@@ -178,19 +178,19 @@ class OutputGate:
         now = self._clock()
         return (
             0.0
-            if self._reason(permit, now)
+            if self._find_reason(permit, now)
             else min(permit.until, self._seen + self._max_age) - now
         )
 
-    def _see(self, frame: bytes, now: float) -> None:
+    def _note_frame(self, frame: bytes, now: float) -> None:
         try:
             self._head, self._data = FrameHead.unpack(frame), frame
         except struct.error:
-            self._head = NONE
+            self._head = NO_FRAME
             self.fail("the frame is cut off")
         self._seen, self._waits = now, True
 
-    def _reason(self, permit: Permit, now: float) -> str:
+    def _find_reason(self, permit: Permit, now: float) -> str:
         """Return the reason why there must be silence; "" if there may be sound."""
         if self.fault or self._stuck or self.backend is None:
             return "fault"
@@ -244,7 +244,7 @@ class OutputGate:
         if backend is None:
             return False
         try:
-            frame = _frame(head, self._data, self._columns, self._can, self._gain)
+            frame = _decode_frame(head, self._data, self._columns, self._can, self._gain)
             self.loud = True
             backend.send(frame)
         except Exception as error:
@@ -267,11 +267,11 @@ class OutputGate:
             self._inputs.append(_INPUT.pack(head.input, head.sent, head.received, now))
             self._input_count += 1
 
-    def device(
+    def make_status(
         self,
         results: dict[str, str],
         backends: tuple[Plugin, ...],
-        processor: int = ANY,
+        processor: int = ANY_CORE,
         choice: PluginConfig | None = None,
     ) -> DeviceStatus:
         """Return the status to report to the other processes."""
@@ -279,7 +279,8 @@ class OutputGate:
         return DeviceStatus(
             generation=0 if self.backend is None else self.generation,
             next_generation=self.next_generation,
-            name="" if self.backend is None else shorten(self.backend.name),
+            # The registry has checked the name of the class, not that of the instance.
+            name="" if self.backend is None else shorten(type(self.backend).name),
             phases=can.phases,
             amplitudes=len(can.sizes),
             rate=can.rate,
@@ -302,15 +303,17 @@ class OutputGate:
         )
 
 
-def _frame(head: FrameHead, data: bytes, columns: int, can: Capability, gain: float) -> Frame:
+def _decode_frame(
+    head: FrameHead, data: bytes, columns: int, can: Capability, gain: float
+) -> Frame:
     """Return the frame with this head. Raises BackendError for a frame that no device may get."""
-    size = HEAD + 4 * head.rows * columns
+    size = HEAD_BYTES + 4 * head.rows * columns
     if head.columns != columns or not 0 < head.rows <= MAX_ROWS or len(data) != size:
         raise BackendError(
             f"a frame has {head.rows} x {head.columns} levels in {len(data)} bytes, but the array has "
             f"{columns} transducers"
         )
-    levels = np.frombuffer(data, "<u2", offset=HEAD)
+    levels = np.frombuffer(data, "<u2", offset=HEAD_BYTES)
     phase, amplitude = levels.reshape(2, head.rows, columns)
     if phase.max() >= can.phases or amplitude.max() > can.highest(gain):
         raise BackendError(

@@ -10,6 +10,7 @@ from __future__ import annotations
 import contextlib
 import functools
 import gc
+import math
 import os
 import signal
 import sys
@@ -17,19 +18,21 @@ import threading
 import time
 from typing import TYPE_CHECKING
 
+import msgspec
 from msgspec.msgpack import Decoder
 
+from pacinian.errors import describe_error
 from pacinian.scene.config_sections import PluginConfig
 from pacinian.serving.guard.device_manager import DeviceManager
 from pacinian.serving.guard.output_gate import OutputGate
 from pacinian.serving.guard.spare_guard import stand_by
-from pacinian.serving.ipc import child_process, scheduling, shared_memory
-from pacinian.serving.ipc.logs import configure
+from pacinian.serving.ipc import parent_link, scheduling, shared_memory
+from pacinian.serving.ipc.logs import configure, log
 from pacinian.serving.ipc.memory_trim import trim_memory
 from pacinian.serving.ipc.messages import (
     DeviceStatus,
     Permit,
-    RequestedSettings,
+    Selections,
     open_wake_pipe,
     open_wakes,
     pack,
@@ -69,9 +72,9 @@ class GuardLoop:
 
     def __init__(self, folder: Path, settings: Settings) -> None:
         with contextlib.ExitStack() as stack:
-            permit, frame, orders = (
+            permit, frame, selections = (
                 stack.enter_context(SharedRegister.attach(folder / name))
-                for name in ("permit", "frame", "requested_settings")
+                for name in ("permit", "frame", "selections")
             )
             path = folder / "device"
             device = stack.enter_context(SharedRegister.attach(path, open_wakes(path)))
@@ -80,9 +83,7 @@ class GuardLoop:
             self._stack = stack.pop_all()
         self._permit = RegisterReader(permit, Permit.unpack, Permit())
         self._frame = RegisterReader(frame, bytes, b"")
-        self._orders = RegisterReader(
-            orders, Decoder(RequestedSettings).decode, RequestedSettings()
-        )
+        self._selections = RegisterReader(selections, Decoder(Selections).decode, Selections())
         self._last: RegisterReader[DeviceStatus | None] = RegisterReader(
             device, Decoder(DeviceStatus).decode, None
         )
@@ -96,44 +97,59 @@ class GuardLoop:
         chosen = settings.backend
         configured = chosen if isinstance(chosen, PluginConfig) else PluginConfig(chosen)
         self.devices = DeviceManager(self.gate, array, configured, settings.rate)
-        self.processor = scheduling.ANY
+        self.processor = scheduling.ANY_CORE
         self._reported_at = -REPORT_INTERVAL  # [s]
-        # There is nothing to do until time passes, or a new permit, frame or order ends the wait.
+        # There is nothing to do until time passes, or a new permit, frame or selection ends the wait.
         self._listens = False
-        self._orders.look()
+        self._selections.look()
         with contextlib.suppress(Exception):  # opening the device reports the same error
-            find_plugin("backend", (self._orders.value.backend[1] or configured).name)  # imports it
+            find_plugin(
+                "backend", (self._selections.value.backend[1] or configured).name
+            )  # imports it
 
     @property
     def first(self) -> bool:
         """Whether there was no guard before this one, so that the settings have not proved themselves."""
         return not self._replaces
 
-    def watch(self) -> tuple[float, bool]:
+    def read_heartbeat(self) -> tuple[float, bool]:
         """Return the running guard's last heartbeat [s], and whether there may be sound. A spare calls this."""
-        self._last.look()
+        last = self._read_last_status()
         self._permit.look()
-        last = self._last.value
         if last is None or not last.generation:
             return 0.0, False
         return last.heartbeat, last.sounding or self._permit.value.armed > 0
 
     def __enter__(self) -> GuardLoop:
         """Start opening the device; take over from the previous guard, if there was one."""
-        self._orders.look()
-        self._last.look()
-        last = self._last.value
+        self._selections.look()
+        last = self._read_last_status()
         if last is not None:
             self._replaces, self.backends = True, last.backends
             self.gate.replace(last)
-        self.devices.begin(self._orders.value, last.choice if last else None)
+        elif published := self._device.number:
+            # The previous guard's status cannot be read, so its device may still sound. Each device was reported at
+            # least once, so the number of reports is at least the last generation.
+            self._replaces = True
+            unknown = DeviceStatus(published, 0, "", 2, 2, 1.0, None, -math.inf, sounding=True)
+            self.gate.replace(unknown)
+        self.devices.begin(self._selections.value, last.choice if last else None)
         return self
+
+    def _read_last_status(self) -> DeviceStatus | None:
+        """Return the newest status of the previous guard; None if there is none, or it cannot be read."""
+        try:
+            self._last.look()
+        except (msgspec.DecodeError, ValueError) as error:
+            log().error("the previous guard's status cannot be read", error=describe_error(error))
+            self._last.value = None
+        return self._last.value
 
     def run_round(self) -> float:
         """Run one round; return the time to `wait` until the next [s]."""
         gate = self.gate
-        if self._orders.look():
-            self.devices.follow(self._orders.value)
+        if self._selections.look():
+            self.devices.follow(self._selections.value)
         self.devices.poll()
         frame = self._frame.value if self._frame.look() else None
         # Read the permit after the frame, so that it is never older than the permit the frame was
@@ -158,9 +174,9 @@ class GuardLoop:
         return min(left, max(REPORT_INTERVAL - (now - self._reported_at), POLL_INTERVAL))
 
     def wait(self, seconds: float) -> None:
-        """Wait until the next round. If only time can change anything, a new permit, frame or order ends the wait."""
+        """Wait until the next round; if only time can change anything, until a new permit, frame or selection."""
         if self._listens:
-            self._wake.wait(seconds, lambda: self._permit.waiting or self._orders.waiting)
+            self._wake.wait(seconds, lambda: self._permit.waiting or self._selections.waiting)
         else:
             time.sleep(seconds)
 
@@ -173,7 +189,7 @@ class GuardLoop:
         self.gate.changed = False
         self._device.write(
             pack(
-                self.gate.device(
+                self.gate.make_status(
                     self.devices.results, self.backends or (), self.processor, self.devices.choice
                 )
             )
@@ -191,7 +207,7 @@ class GuardLoop:
                 self.publish_status()
             for backend in (gate.backend, gate.next_backend, *gate.to_close):
                 if backend is not None:
-                    with contextlib.suppress(Exception):
+                    with contextlib.suppress(BaseException):  # whatever a plug-in raises
                         backend.close()
 
 
@@ -202,7 +218,7 @@ def _rearm_alarm(seconds: float) -> None:
 
 
 def main() -> None:
-    """Run until the parent ends or asks this process to end. A spare first waits until it is called."""
+    """Run until the parent ends or asks this process to end. A spare first waits until it is activated."""
     ended = threading.Event()
 
     def end() -> None:
@@ -217,18 +233,18 @@ def main() -> None:
     def asked(number: int, frame: FrameType | None) -> None:
         end()
 
-    starter = child_process.Parent()
-    config = starter.config
+    parent = parent_link.Parent()
+    config = parent.config
     configure(config.settings.log, "guard")
     sys.setswitchinterval(THREAD_SWITCH_INTERVAL)
     loop = GuardLoop(config.path, config.settings)
     if config.spare:
-        starter.prepare()
+        parent.prepare()
         _settle(loop)
-        stand_by(starter, config.settings.safety.hang_timeout, loop.watch)
+        stand_by(parent, config.settings.safety.hang_timeout, loop.read_heartbeat)
     for name in (signal.SIGTERM, signal.SIGINT):
         signal.signal(name, asked)
-    starter.watch(orphaned, kill=False)
+    parent.watch(orphaned, kill=False)
     with loop:
         while not (ended.is_set() or loop.gate.backend or loop.gate.fault):
             loop.run_round()  # opening a device may take long

@@ -15,17 +15,17 @@ from pacinian.serving.ipc.hang_detection import HangDetector, compute_hang_limit
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from pacinian.serving.ipc.child_process import Parent
+    from pacinian.serving.ipc.parent_link import Parent
 
 # Interval between two checks of the guard, while there may be sound and otherwise [s].
 CHECK_INTERVAL, IDLE_INTERVAL = 0.02, 0.1
 
 
 def stand_by(parent: Parent, hang_timeout: float, look: Callable[[], tuple[float, bool]]) -> None:
-    """Return when this spare must take over: the parent calls it, or the guard has ended.
+    """Return when this spare must take over: the parent activates it, or the guard has ended.
 
     hang_timeout: as in the settings [s]. look: returns the guard's last heartbeat [s] and whether there may be sound.
-    On a system that cannot report the end of another process, only the parent's call counts. Raises SystemExit when
+    Where the system cannot report the end of another process, this waits for the parent only. Raises SystemExit when
     the parent has gone.
     """
     if sys.platform != "linux":
@@ -36,13 +36,13 @@ def stand_by(parent: Parent, hang_timeout: float, look: Callable[[], tuple[float
     except OSError:  # the guard has ended already, and the parent knows it
         parent.wait()
         return
-    pulse, poll = HangDetector(compute_hang_limit(hang_timeout, sound=True)), select.poll()
+    detector, poll = HangDetector(compute_hang_limit(hang_timeout, sound=True)), select.poll()
     poll.register(guard, select.POLLIN)
     poll.register(parent.pipe, select.POLLIN)
     sound = False
     while not (ready := poll.poll(1e3 * (CHECK_INTERVAL if sound else IDLE_INTERVAL))):
         heartbeat, sound = look()
-        if pulse.detect_hang(heartbeat, sound, time.perf_counter()):
+        if detector.detect_hang(heartbeat, sound, time.perf_counter()):
             with contextlib.suppress(OSError):
                 signal.pidfd_send_signal(guard, signal.SIGKILL)
     if parent.pipe in dict(ready):

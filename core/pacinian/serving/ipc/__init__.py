@@ -1,12 +1,15 @@
 """Inter-process basics: how the server's processes start, share memory, keep time, log and authenticate each other.
 
-messages.py           what the processes tell each other: permit, frame, changes, settings, statuses
+messages.py           what the processes tell each other: permit, frame, changes, selections, statuses
 shared_memory.py      memory with one writer, where the newest value wins
 wake_pipe.py          ends the wait of another process
-child_process.py      a child of control: its start, configuration, heartbeat and end
-hang_detection.py     whether a process hangs, from its heartbeats and `hang_timeout` (settings.py)
+launched_child.py     a child, as its parent sees it: its start by spawn or fork, its configuration and its end
+parent_link.py        a child's link to its parent: receives the configuration, notices the parent's end
+launch_config.py      the configuration of a new child
 child_pipe.py         the pipes that hold a child's configuration, and end it when they close
-spawned_process.py    starts a process, by spawn or fork, although no file descriptor is left
+processes.py          spawns or forks a process, although no file descriptor is left
+open_files.py         the file descriptors that a process has open
+hang_detection.py     whether a process hangs, from its heartbeats and `hang_timeout` (settings.py)
 scheduling.py         priority, real-time class and processor affinity
 memory_trim.py        returns memory that a start needed
 logs.py               logging to standard error

@@ -30,9 +30,9 @@ HANDSHAKE_TIMEOUT = 2000  # time limit for the handshake [ms]
 # Time after which unacknowledged data ends a connection [ms]. This uses a TCP option, not ZeroMQ
 # heartbeats: libzmq 4.3 aborts (`!_io_error`) if a heartbeat is due on a connection that was closed
 # while its messages waited at the high-water mark.
-UNCONFIRMED = 500
+MAX_UNACKNOWLEDGED_TIME = 500
 # High-water mark: largest number of queued messages to or from one client. A longer queue only makes messages older.
-QUEUE = 256
+MAX_QUEUED_MESSAGES = 256
 BACKLOG = 128  # largest number of connections that may wait to be accepted
 # Largest number of parts of a message that are skipped before other work is done. They take some 10 ms.
 MAX_SKIPPED = 5000
@@ -92,11 +92,11 @@ class Authenticator:
             zmq.LINGER: 0,
             zmq.MAXMSGSIZE: longest,
             zmq.HANDSHAKE_IVL: HANDSHAKE_TIMEOUT,
-            zmq.RCVHWM: QUEUE,
-            zmq.SNDHWM: QUEUE,
+            zmq.RCVHWM: MAX_QUEUED_MESSAGES,
+            zmq.SNDHWM: MAX_QUEUED_MESSAGES,
             zmq.BACKLOG: BACKLOG,
             zmq.IPV6: 1,
-            zmq.TCP_MAXRT: UNCONFIRMED,
+            zmq.TCP_MAXRT: MAX_UNACKNOWLEDGED_TIME,
         }
         if socket.getsockopt(zmq.TYPE) == zmq.ROUTER:
             options[zmq.ROUTER_MANDATORY] = 1
@@ -121,13 +121,13 @@ class Authenticator:
                 self._unknown = [*self._unknown[-15:], key.decode()]
         return known
 
-    def name(self, user: str) -> str:
+    def name_user(self, user: str) -> str:
         """Return the name of the client whose `User-Id` is `user`: that of its key file, "local", or `user` itself."""
         if user == self._secrets.get("public_key"):
             return "local"
         return self._names.get(user.encode(), user)
 
-    def unknown(self) -> list[str]:
+    def take_unknown_keys(self) -> list[str]:
         """Return the public keys that were refused since the last call, at most 16."""
         with self._lock:
             seen, self._unknown = self._unknown, []

@@ -1,4 +1,4 @@
-"""The pipes through which control tells its children their configuration, and ends them.
+"""The pipes through which control sends its children their configuration, and ends them.
 
 Strangers' connections may take all file descriptors that the system permits (decision 38). The pipes are therefore open
 before anybody can connect, and stay open: a child that is started later inherits the pipe of one that has ended.
@@ -14,13 +14,13 @@ import threading
 from typing import TYPE_CHECKING
 
 from pacinian.errors import ServerError
-from pacinian.serving.ipc.spawned_process import list_files
+from pacinian.serving.ipc.open_files import list_file_descriptors
 
 if TYPE_CHECKING:
-    from pacinian.serving.ipc.spawned_process import SystemProcess
+    from pacinian.serving.ipc.processes import Child
 
-BYTES = 1 << 16  # number of bytes read at once when the pipe is emptied
-POLL_TIME = 10  # wait for data of a pipe that is being emptied [ms]
+READ_BYTES = 1 << 16  # number of bytes read at once when the pipe is emptied
+MAX_POLL_TIME = 10  # longest wait for data of a pipe that is being emptied [ms]
 
 
 class ChildPipe:
@@ -31,19 +31,19 @@ class ChildPipe:
 
     def __init__(self) -> None:
         self.source, self._sink = os.pipe()
-        self.child: SystemProcess | None = None
+        self.child: Child | None = None
         self._lock = threading.Lock()
         self._closed, self._unwritten = False, 0  # number of texts that are not yet written
         self._writer: threading.Thread | None = None
 
-    def tell(self, data: bytes) -> None:
+    def write(self, data: bytes) -> None:
         """Write `data` after all earlier data.
 
         This uses a thread, because the child may not read. Raises RuntimeError if the system permits no more threads.
         """
         before = self._writer
 
-        def write() -> None:
+        def write_all() -> None:
             try:
                 if before is not None:
                     before.join()
@@ -54,9 +54,9 @@ class ChildPipe:
             finally:
                 self._count(-1)
 
-        thread = threading.Thread(target=write, name="tell", daemon=True)
+        thread = threading.Thread(target=write_all, name="child pipe", daemon=True)
         if not self._count(1):
-            return  # closed: nobody listens
+            return  # closed: nobody reads
         try:
             thread.start()
         except RuntimeError:
@@ -71,8 +71,8 @@ class ChildPipe:
         while True:
             # before the poll: then nothing comes after a poll that finds nothing
             unwritten = self._unwritten
-            if poll.poll(POLL_TIME if unwritten else 0):
-                os.read(self.source, BYTES)
+            if poll.poll(MAX_POLL_TIME if unwritten else 0):
+                os.read(self.source, READ_BYTES)
             elif not unwritten:
                 return
 
@@ -133,5 +133,5 @@ class ChildPipes:
 
 def _pass_on_no_files() -> None:
     with contextlib.suppress(OSError):  # where the system does not list them
-        for number in list_files():
+        for number in list_file_descriptors():
             os.set_inheritable(number, False)

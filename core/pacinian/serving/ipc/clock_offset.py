@@ -10,8 +10,8 @@ from pacinian.wire.protocol import MAX_TIME_TO_LIVE
 WINDOW = 5.0
 # Largest drift of two clocks [s/s].
 MAX_DRIFT = 200e-6
-# A clock that went back by more than this was set [s], because no command lives so long.
-BACK = MAX_TIME_TO_LIVE
+# A client whose clock goes back by more than this has another clock [s], because no command lives so long.
+MAX_CLOCK_STEP_BACK = MAX_TIME_TO_LIVE
 
 
 class ClockOffsetEstimator:
@@ -34,9 +34,9 @@ class ClockOffsetEstimator:
         """The server's clock minus the client's [s]; infinite before the first message."""
         return min(self._now, self._before)
 
-    def age(self, time: float, received: float) -> float:
+    def compute_age(self, time: float, received: float) -> float:
         """Return the age [s] of a message sent at `time` [s] by the client's clock and received at `received` [s]."""
-        if time < self._latest - BACK:
+        if time < self._latest - MAX_CLOCK_STEP_BACK:
             self._until, self._now, self._before = -math.inf, math.inf, math.inf
         self._latest = time
         if received >= self._until:

@@ -1,8 +1,10 @@
-"""When a process without a heartbeat counts as one that hangs."""
+"""Decide whether a process hangs, from its heartbeats."""
 
 from __future__ import annotations
 
-# The hang limit of a guard is that of other processes divided by this, while there may be sound.
+import math
+
+# While there may be sound, the guard's hang limit is `hang_timeout` divided by this.
 SOUNDING_HANG_DIVISOR = 8
 MIN_HANG_LIMIT = 0.1  # smallest hang limit of a guard while there may be sound [s]
 # Largest time counted from one check to the next [s]. A process that was late itself cannot tell whether another one is
@@ -19,21 +21,35 @@ def compute_hang_limit(hang_timeout: float, *, sound: bool) -> float:
     )
 
 
+class WatchedTime:
+    """The time spent watching. If the watcher is late, only `MAX_CHECK_GAP` counts. seconds: so far [s]."""
+
+    def __init__(self, now: float) -> None:
+        self.seconds = 0.0
+        self._last = now  # time of the last check [s]
+
+    def advance(self, now: float) -> None:
+        """Count the time since the last check, at `now` [s]."""
+        self.seconds += min(now - self._last, MAX_CHECK_GAP)
+        self._last = now
+
+
 class HangDetector:
     """Detects a guard that hangs. limit: time without a heartbeat while there may be sound [s], as in `Supervisor`."""
 
     def __init__(self, limit: float) -> None:
         self._limit = limit
-        self._heartbeat = self._silent = 0.0  # the last heartbeat; time watched since then [s]
-        self._last = -1.0  # time of the last check [s]
+        self._watched = WatchedTime(-math.inf)
+        self._heartbeat = self._heard = (
+            0.0  # the last heartbeat, and the time watched until then [s]
+        )
 
     def detect_hang(self, heartbeat: float, sound: bool, now: float) -> bool:
         """Check the last `heartbeat` [s] at `now` [s]; return whether the guard hangs.
 
         sound: whether there may be sound.
         """
-        self._silent += min(now - self._last, MAX_CHECK_GAP)
-        self._last = now
+        self._watched.advance(now)
         if heartbeat != self._heartbeat or not sound:
-            self._heartbeat, self._silent = heartbeat, 0.0
-        return self._silent > self._limit
+            self._heartbeat, self._heard = heartbeat, self._watched.seconds
+        return self._watched.seconds - self._heard > self._limit

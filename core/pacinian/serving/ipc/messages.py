@@ -3,7 +3,7 @@
     file                 writer    readers                value
     permit               control   guard, render          Permit
     sessions             control   bus                    SessionTable
-    requested_settings   control   render, guard          RequestedSettings
+    selections           control   render, guard          Selections
     changes              bus       render                 Changes, each only after the last was acknowledged
     changes_ack          render    bus                    ChangesAck
     frame                render    guard, control, bus    FrameHead, then the levels
@@ -20,6 +20,7 @@ are of `time.perf_counter`, which all processes of one machine share.
 from __future__ import annotations
 
 import struct
+from enum import IntEnum
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import msgspec
@@ -29,7 +30,7 @@ from msgspec import Struct
 from pacinian.errors import ArgumentError
 from pacinian.plugins.backend import Capability
 from pacinian.scene.config_sections import PluginConfig
-from pacinian.serving.ipc.scheduling import ANY
+from pacinian.serving.ipc.scheduling import ANY_CORE
 from pacinian.serving.ipc.wake_pipe import WakePipe
 from pacinian.wire.control import Choice
 from pacinian.wire.modulation import Technique
@@ -38,12 +39,11 @@ from pacinian.wire.replies import Plugin
 if TYPE_CHECKING:
     from pathlib import Path
 
-# Capacities of the files [bytes]. That of `frame` depends on the array: see
-# `compute_frame_capacity`.
+# Capacities of the files [bytes]. That of `frame` depends on the array: see `compute_frame_capacity`.
 CAPACITIES = {
     "permit": 64,
     "sessions": 1 << 20,
-    "requested_settings": 1 << 18,
+    "selections": 1 << 18,
     "changes": 4 << 20,
     "changes_ack": 64,
     "renderer_status": 2 << 20,
@@ -54,19 +54,19 @@ CAPACITIES = {
 WAITS = {
     "permit": ("guard", "render"),
     "frame": ("guard",),
-    "requested_settings": ("guard", "render"),
+    "selections": ("guard", "render"),
     "changes": ("render",),
     "device": ("render",),
     "changes_ack": ("bus",),
     "sessions": ("bus",),
 }
-MAX_ROWS = 64  # maximum number of rows of a frame
-HEAD = 96  # size of a frame's head, before its levels [bytes]
+MAX_ROWS = 64  # largest number of rows of a frame; the device plays them one after another
+HEAD_BYTES = 96  # size of a frame's head, before its levels [bytes]
 
 
 def compute_frame_capacity(transducers: int) -> int:
     """Return the capacity of the file `frame` [bytes]."""
-    return HEAD + 4 * MAX_ROWS * transducers
+    return HEAD_BYTES + 4 * MAX_ROWS * transducers
 
 
 def open_wake_pipe(folder: Path, process: str) -> WakePipe:
@@ -79,15 +79,23 @@ def open_wakes(file: Path) -> tuple[WakePipe, ...]:
     return tuple(open_wake_pipe(file.parent, process) for process in WAITS.get(file.name, ()))
 
 
+class PermitState(IntEnum):
+    """What a permit allows: nothing; sound; or only that the sound fades out."""
+
+    SILENT = 0
+    ARMED = 1
+    FADING = 2
+
+
 class Permit(NamedTuple):
     """The permit to sound.
 
-    until: when it expires [s]. epoch: counts the permits given; only frames of the same epoch are let through. stopped:
-    1 after an emergency stop or the server's end. scene: number of the scene that may be rendered. A scene that ends
-    and begins again has another number.
+    armed: a `PermitState`. until: when it expires [s]. epoch: counts the permits given; only frames of the same epoch
+    are let through. stopped: 1 after an emergency stop or the server's end. scene: number of the scene that may be
+    rendered. A scene that ends and begins again has another number.
     """
 
-    armed: int = 0
+    armed: int = PermitState.SILENT
     until: float = 0.0
     epoch: int = 0
     stopped: int = 0
@@ -162,8 +170,8 @@ class SessionTable(Struct, frozen=True, array_like=True):
 SUPERSEDED = "replaced by a newer selection"  # result of a selection that was not carried out
 
 
-class RequestedSettings(Struct, frozen=True, array_like=True):
-    """The newest selections, numbered so that each is carried out once. `results` then holds its outcome.
+class Selections(Struct, frozen=True, array_like=True):
+    """The newest selections, each with its number, so that it is carried out once. `results` then has its result.
 
     solver, backend: None before the first selection. technique, intensity: the current ones. reset: number of resets.
     """
@@ -264,7 +272,11 @@ class Changes(Struct, frozen=True, array_like=True):
 
 
 class ChangesAck(Struct, frozen=True, array_like=True):
-    """The last changes that the renderer took. run: random, of the renderer's run; a new run needs the whole scene."""
+    """The last changes that the renderer took.
+
+    number, bus: their `number` and `run`. run: a random number that identifies this run of the renderer. To a new run,
+    the bus sends the whole scene.
+    """
 
     number: int
     run: int
@@ -274,8 +286,8 @@ class ChangesAck(Struct, frozen=True, array_like=True):
 class RendererStatus(Struct, frozen=True, array_like=True):
     """The status of the renderer.
 
-    state: fields of `pacinian.wire.state.State`. results: of orders, by "kind number": "" if done, otherwise the
-    reason. halted: the fault that keeps it silent, or "". refused: names of objects that could not be put, and why.
+    state: fields of `pacinian.wire.state.State`. results: of selections, by "kind number": "" if done, otherwise
+    the reason. halted: the fault that keeps it silent, or "". refused: names of objects that could not be put, and why.
     """
 
     heartbeat: float
@@ -291,14 +303,14 @@ class DeviceStatus(Struct, frozen=True, array_like=True):
     """The status of the device.
 
     generation: counts devices; a frame must name the generation it is for; 0: there is no device. next_generation: the
-    one that takes over with the first frame for it, or 0. phases, amplitudes, rate: of `next_generation` if there is
-    one, otherwise of `generation`. heartbeat: when the guard ran its last round [s]. fault: of the device, or "".
-    frames: number of frames that the device took. silences: number of times sound was ended; reasons: the same by
-    reason. longest_gap: longest time between frames since the output was last armed [s]. inputs: the last hand updates,
-    as in `State`; input_count: number of hand updates so far. results: of orders, by "backend number" and "reset
-    number": "" if done, otherwise the reason. sizes: amplitude of each level, float32; empty if they are evenly spaced.
-    processor: the core that the guard is bound to, or `ANY`. choice: the choice of `generation`; or, if another guard
-    had the device and died, of the device that may still sound.
+    one that takes over with the first frame for it, or 0. phases, amplitudes: numbers of levels; rate [rows/s]: of
+    `next_generation` if there is one, otherwise of `generation`. heartbeat: when the guard ran its last round [s].
+    fault: of the device, or "". frames: number of frames that the device took. silences: number of times sound was
+    ended; reasons: the same by reason. longest_gap: longest time between frames since the output was last armed [s].
+    inputs: the last hand updates, as in `State`; input_count: number of hand updates so far. results: of selections and
+    resets, by "backend number" and "reset number": "" if done, otherwise the reason. sizes: amplitude of each level,
+    float32; empty if they are evenly spaced. processor: the core that the guard is bound to, or `ANY_CORE`. choice:
+    that of `generation`; or, if another guard had the device and died, of the device that may still sound.
     """
 
     generation: int
@@ -322,7 +334,7 @@ class DeviceStatus(Struct, frozen=True, array_like=True):
     """The backends that can be selected."""
     reasons: dict[str, int] = {}
     sizes: bytes = b""
-    processor: int = ANY
+    processor: int = ANY_CORE
     choice: PluginConfig | None = None
 
     @property
@@ -353,10 +365,10 @@ def pack(value: Struct) -> bytes:
 
 
 def check_rate(device: float, loop: float) -> None:
-    """Check that a device of that rate suits a loop of that rate [Hz]. Raises ArgumentError if not."""
+    """Check that a device of `device` rows a second suits a loop of `loop` ticks a second. Raises ArgumentError."""
     if not 1.0 - 1e-9 <= device / loop < MAX_ROWS + 0.5:
         raise ArgumentError(
             "rate",
-            f"must be {device / MAX_ROWS:.3g} to {device:g} for this device, which plays {device:g} frames a second, "
-            f"1 to {MAX_ROWS} frames a tick; it is {loop:g}",
+            f"must be {device / MAX_ROWS:.3g} to {device:g} for this device, which plays {device:g} rows a second, "
+            f"1 to {MAX_ROWS} rows a tick; it is {loop:g}",
         )

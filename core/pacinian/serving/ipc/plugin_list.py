@@ -23,16 +23,16 @@ if TYPE_CHECKING:
     from pacinian.scene.config_sections import PluginConfig
 
 LOADING = threading.Lock()  # held by the one thread that loads plug-ins
-# Time after which no process waits for a plug-in that is still being imported [s].
-PATIENCE = 20.0
-SELECTING = 4.0  # longest wait of a selection for an import in another thread [s]
+# Longest wait for the list of all plug-ins [s].
+MAX_LISTING_TIME = 20.0
+MAX_IMPORT_WAIT = 4.0  # longest wait for the import of plug-ins in another thread [s]
 
 
 def publish_offers(kind: Kind, publish: Callable[[tuple[Plugin, ...]], object]) -> None:
     """Call `publish` with `list_offers`, now or from a thread.
 
-    If a module takes longer than `PATIENCE` to import, `publish` first gets the plug-ins that are known by then, and
-    the log names the module.
+    If a module takes longer than `MAX_LISTING_TIME` to import, `publish` first gets the plug-ins that are known by
+    then, and the log names the module.
     """
     lock, done = threading.Lock(), threading.Event()
 
@@ -52,7 +52,7 @@ def publish_offers(kind: Kind, publish: Callable[[tuple[Plugin, ...]], object]) 
     except RuntimeError:  # no more threads
         work()
         return
-    thread.join(PATIENCE)
+    thread.join(MAX_LISTING_TIME)
     with lock:
         if not done.is_set():
             name = registry.discover_plugins().importing
@@ -73,7 +73,7 @@ def _collect_offers(kind: Kind) -> tuple[Plugin, ...]:
         Plugin(
             name=offer.name,
             summary=shorten(str(offer.cls.__doc__ or "").strip().partition("\n")[0])[:200],
-            options=_options(offer),
+            options=_list_options(offer),
         )
         for _, offer in sorted(registry.discover_plugins().offers.copy().items())
         if offer.kind == kind
@@ -99,7 +99,7 @@ def find_plugin(kind: Kind, name: str) -> Offer:
     """Return the plug-in of that name; import it if necessary. Raises UnknownPlugin, PluginError."""
     plugins = registry.discover_plugins()
     if (kind, name) not in plugins.offers:
-        if not LOADING.acquire(timeout=SELECTING):
+        if not LOADING.acquire(timeout=MAX_IMPORT_WAIT):
             raise PluginError(
                 f"the server cannot search for {name!r} while it imports the plug-in {plugins.importing!r}: try again, "
                 f"or uninstall {plugins.importing!r}"
@@ -111,7 +111,7 @@ def find_plugin(kind: Kind, name: str) -> Offer:
     return plugins.find(kind, name)
 
 
-def _options(offer: Offer) -> dict[str, int | float | str]:
+def _list_options(offer: Offer) -> dict[str, int | float | str]:
     """Return the simple options that clients may set; none if they cannot be read or encoded."""
     try:
         allowed, given = find_client_options(offer.cls), offer.options

@@ -17,7 +17,7 @@ TIMERSLACK = 29  # number of PR_SET_TIMERSLACK, an option of Linux's prctl
 AUTOGROUP = Path("/proc/self/autogroup")  # exists where Linux groups processes by session
 URGENT = 15  # niceness -15: 97 % of a core shared with one normal process
 EAGER = 5  # niceness -5: 75 % of a core shared with one normal process
-ANY = -1  # number that stands for any core
+ANY_CORE = -1  # number that stands for any core
 _ALLOWED = frozenset(os.sched_getaffinity(0)) if sys.platform == "linux" else frozenset[int]()
 
 
@@ -52,7 +52,7 @@ def lower_child_priority(child: int) -> None:
     if sys.platform == "linux":
         with contextlib.suppress(OSError):
             given = os.getpriority(os.PRIO_PROCESS, 0)
-            if _limit() < URGENT:
+            if _read_priority_limit() < URGENT:
                 os.setpriority(
                     os.PRIO_PROCESS, child, -URGENT - 1
                 )  # fails without the privilege, whatever was given
@@ -66,7 +66,7 @@ def use_realtime_class() -> int:
     """On Linux, put this thread in the real-time class; its children do not inherit that.
 
     For a thread that mostly sleeps. Return the core that this thread is bound to, so that other threads can
-    `avoid_cores` it (decision 28). Return `ANY` if the system refuses, or if there is only one core.
+    `avoid_cores` it (decision 28). Return `ANY_CORE` if the system refuses, or if there is only one core.
     """
     raise_priority()
     if sys.platform == "linux":
@@ -76,7 +76,7 @@ def use_realtime_class() -> int:
                 own = sorted(_ALLOWED)[os.getppid() % len(_ALLOWED)]  # differs between servers
                 os.sched_setaffinity(0, {own})
                 return own
-    return ANY
+    return ANY_CORE
 
 
 def avoid_cores(processor: int) -> None:
@@ -104,10 +104,14 @@ def start_background_thread(work: Callable[[], object], name: str) -> None:
 
 def _find_highest_priority() -> int:
     """Return the highest priority available without a privilege: the current one, or up to the limit on niceness."""
-    return max(0, _limit(), -os.getpriority(os.PRIO_PROCESS, 0)) if sys.platform == "linux" else 0
+    return (
+        max(0, _read_priority_limit(), -os.getpriority(os.PRIO_PROCESS, 0))
+        if sys.platform == "linux"
+        else 0
+    )
 
 
-def _limit() -> int:
+def _read_priority_limit() -> int:
     import resource
 
     return resource.getrlimit(resource.RLIMIT_NICE)[0] - 20

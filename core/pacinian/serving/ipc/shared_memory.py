@@ -35,10 +35,10 @@ RETRY_INTERVAL = 0.005  # interval between two tries to remove a folder [s]
 
 MAGIC = 0x504143494E49414E
 SLOTS = 4
-WORD = 8  # size of a word [bytes]; aligned words are stored and loaded atomically
-HEAD = 3  # number of words in the file's head: magic, capacity, published number
-SLOT = 3  # number of words before each value: number, length, checksum
-TRIES = 100  # largest number of tries to read a value that is being overwritten
+WORD_BYTES = 8  # size of a word [bytes]; aligned words are stored and loaded atomically
+HEAD_WORDS = 3  # number of words in the file's head: magic, capacity, published number
+SLOT_HEAD_WORDS = 3  # number of words before each value: number, length, checksum
+MAX_TRIES = 100  # largest number of tries to read a value that is being overwritten
 
 
 def find_root() -> Path:
@@ -47,7 +47,7 @@ def find_root() -> Path:
 
 
 @contextlib.contextmanager
-def folder() -> Generator[Path]:
+def open_folder() -> Generator[Path]:
     """Make a private folder for shared memory; remove it at the end.
 
     Also removes the folders that killed processes left. A lock file lies beside the new folder, made before it and
@@ -108,8 +108,8 @@ class SharedRegister(Closeable):
     @classmethod
     def create(cls, path: Path, capacity: int, wakes: Sequence[WakePipe] = ()) -> SharedRegister:
         """Create a register for values of at most `capacity` [bytes]. Raises ServerError."""
-        room = -(-max(1, capacity) // WORD) * WORD
-        mapped = _map_file(path, os.O_CREAT | os.O_EXCL, _size(room))
+        room = -(-max(1, capacity) // WORD_BYTES) * WORD_BYTES
+        mapped = _map_file(path, os.O_CREAT | os.O_EXCL, _compute_size(room))
         with memoryview(mapped) as view, view.cast("Q") as words:
             words[1], words[0] = room, MAGIC
         return cls(path, mapped, wakes)
@@ -118,9 +118,9 @@ class SharedRegister(Closeable):
     def attach(cls, path: Path, wakes: Sequence[WakePipe] = ()) -> SharedRegister:
         """Attach to a register that another process created. Raises ServerError."""
         mapped = _map_file(path, 0, 0)
-        if len(mapped) >= WORD * HEAD and len(mapped) % WORD == 0:
+        if len(mapped) >= WORD_BYTES * HEAD_WORDS and len(mapped) % WORD_BYTES == 0:
             with memoryview(mapped) as view, view.cast("Q") as words:
-                ours = words[0] == MAGIC and len(mapped) == _size(words[1])
+                ours = words[0] == MAGIC and len(mapped) == _compute_size(words[1])
             if ours:
                 return cls(path, mapped, wakes)
         mapped.close()
@@ -138,7 +138,7 @@ class SharedRegister(Closeable):
         if length > self.capacity:
             raise ServerError(f"{self.path.name}: {length} bytes are more than {self.capacity}")
         number = self.number + 1
-        word, at = self._place(number)
+        word, at = self._find_place(number)
         self._words[word] = 0
         crc = number & 0xFFFFFFFF
         for view in views:
@@ -153,11 +153,11 @@ class SharedRegister(Closeable):
 
     def read(self, after: int = 0) -> tuple[int, bytes] | None:
         """Return the newest value and its number; None if the number is not above `after`."""
-        for _ in range(TRIES):
+        for _ in range(MAX_TRIES):
             number = self.number
             if number <= after:
                 return None
-            word, at = self._place(number)
+            word, at = self._find_place(number)
             length, crc = self._words[word + 1], self._words[word + 2]
             if self._words[word] == number and length <= self.capacity:
                 data = self._map[at : at + length]
@@ -166,10 +166,12 @@ class SharedRegister(Closeable):
                     return number, data
         return None
 
-    def _place(self, number: int) -> tuple[int, int]:
+    def _find_place(self, number: int) -> tuple[int, int]:
         """Return where a value is stored: the word at which its slot begins, and the byte at which the value begins."""
-        begin = WORD * HEAD + (number % SLOTS) * (WORD * SLOT + self.capacity)
-        return begin // WORD, begin + WORD * SLOT
+        begin = WORD_BYTES * HEAD_WORDS + (number % SLOTS) * (
+            WORD_BYTES * SLOT_HEAD_WORDS + self.capacity
+        )
+        return begin // WORD_BYTES, begin + WORD_BYTES * SLOT_HEAD_WORDS
 
     def close(self) -> None:
         """Unmap the memory. May be called twice."""
@@ -179,8 +181,8 @@ class SharedRegister(Closeable):
             pipe.close()
 
 
-def _size(room: int) -> int:
-    return WORD * HEAD + SLOTS * (WORD * SLOT + room)
+def _compute_size(room: int) -> int:
+    return WORD_BYTES * HEAD_WORDS + SLOTS * (WORD_BYTES * SLOT_HEAD_WORDS + room)
 
 
 def _map_file(path: Path, flags: int, size: int) -> mmap.mmap:

@@ -2,8 +2,8 @@
 
 A process that has nothing to do waits here, and does not look at the shared memory again and again. Whoever writes a
 value for it then writes a byte to its pipe. A byte that was written before the wait ends the wait at once, so none is
-missed. A process that does not wait lets the bytes lie; a full pipe is as good as one byte. Where there are no named
-pipes, a wait asks for news instead, now and then.
+missed. Bytes stay in the pipe until the next wait; a full pipe wakes like a single byte. Without named pipes, `wait`
+polls `news`.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 POLL_INTERVAL = 5e-3  # interval between two checks for news where there are no named pipes [s]
-MAX_SELECTED = 1024  # `select` accepts only file descriptors below this
-BYTES = 1 << 16  # number of bytes read at once: as many as a pipe holds
+MAX_SELECTABLE = 1024  # `select` accepts only file descriptors below this
+READ_BYTES = 1 << 16  # number of bytes read at once: as many as a pipe holds
 
 
 class WakePipe:
@@ -58,11 +58,10 @@ class WakePipe:
     def wait(self, seconds: float, news: Callable[[], bool]) -> None:
         """Wait until another process calls `wake`, at most `seconds`.
 
-        news: whether a value has come that another process would wake this one for. Asked where there are no named
-        pipes.
+        news: whether a value has come for which another process would wake this one. Without named pipes, it is polled.
         """
         if self.works:
-            if self._file < MAX_SELECTED:
+            if self._file < MAX_SELECTABLE:
                 woken = bool(select.select([self._file], [], [], max(0.0, seconds))[0])
             else:  # in steps of a millisecond
                 woken = bool(self._poll.poll(max(0, math.ceil(1e3 * seconds))))
@@ -78,7 +77,7 @@ class WakePipe:
         if not self.works:
             return
         with contextlib.suppress(BlockingIOError):
-            os.read(self._file, BYTES)
+            os.read(self._file, READ_BYTES)
 
     def close(self) -> None:
         """Close the pipe. May be called twice."""

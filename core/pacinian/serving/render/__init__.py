@@ -1,7 +1,7 @@
 """The render process: the loop, its copy of the owner's scene, and solver plug-ins.
 
 process.py             begins here
-render_loop.py         a tick: changes, settings, frame, report; fewer ticks at rest; fades before a lease ends
+render_loop.py         a tick: changes, selections, frame, report; fewer ticks at rest; fades before a lease ends
 scene_replica.py       the copy of the scene: changes, the intensity and the default technique are applied to it
 change_decoding.py     changes from the bus as scene values
 background_loader.py   meshes and sounds that take long to prepare

@@ -56,7 +56,7 @@ class BackgroundLoader:
         """Number of pending jobs."""
         return len(self._jobs)
 
-    def ask(self, name: str, turn: int, job: Callable[[], Object | Timed]) -> None:
+    def queue(self, name: str, turn: int, job: Callable[[], Object | Timed]) -> None:
         """Queue a job; it replaces a pending one of that name. turn: number of the job."""
         with self._some:
             self._jobs[name] = turn, job

@@ -71,9 +71,9 @@ def decode_motion(change: MoveObject, start: float) -> Motion | None:
 
 def decode_hand(info: HandInfo, start: float) -> Hand:
     """Return a hand; lost if it has no joints. Raises ArgumentError, ValueError."""
-    joints = _rows(info.joints, 3) if info.joints else LOST.joints
-    radii = _rows(info.radii, 1)[:, 0] if info.radii else None
-    v = _rows(info.velocities, 3) if info.velocities else None
+    joints = _decode_rows(info.joints, 3) if info.joints else LOST.joints
+    radii = _decode_rows(info.radii, 1)[:, 0] if info.radii else None
+    v = _decode_rows(info.velocities, 3) if info.velocities else None
     side: Literal["left", "right"] = "left" if info.side == "left" else "right"
     return Hand(
         joints, radii, side=side, velocities=v[0] if v is not None and len(v) == 1 else v,
@@ -81,5 +81,5 @@ def decode_hand(info: HandInfo, start: float) -> Hand:
     )  # fmt: skip
 
 
-def _rows(data: bytes, columns: int) -> Floats:
+def _decode_rows(data: bytes, columns: int) -> Floats:
     return np.frombuffer(data, "<f4").reshape(-1, columns).astype(np.float64)

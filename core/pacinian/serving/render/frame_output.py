@@ -69,18 +69,18 @@ class SharedFrameBackend(Backend):
         if fault := self._device.value.fault:
             raise BackendError(fault)
         self._sequence, self._time = frame.sequence, frame.time
-        head = self._head(len(frame.phase), self._tag())
-        self._file.write(head.pack(), _bytes(frame.phase), _bytes(frame.amplitude))
+        head = self._make_head(len(frame.phase), self._tag())
+        self._file.write(head.pack(), _encode_levels(frame.phase), _encode_levels(frame.amplitude))
 
     def silence(self) -> None:
         """Write a frame without rows, of no known time in the scene."""
-        self._file.write(self._head(0, Input(start=self._time)).pack())
+        self._file.write(self._make_head(0, Input(start=self._time)).pack())
 
     def close(self) -> None:
         """Silence the device."""
         self.silence()
 
-    def _head(self, rows: int, tag: Input) -> FrameHead:
+    def _make_head(self, rows: int, tag: Input) -> FrameHead:
         epoch = self._permit.value.epoch
         return FrameHead(
             self._sequence, self._time, epoch, self.generation, rows, self._columns, *tag
@@ -104,21 +104,33 @@ class OutputSwitcher:
         self._file, self._device, self._permit, self._tag = file, device, permit, tag
         self._rate = rate
         self._tried = 0  # last generation tried
+        self._newest: SharedFrameBackend | None = None  # the output that `follow` made last
 
-    def first(self) -> SharedFrameBackend:
+    def make_first(self) -> SharedFrameBackend:
         """Return an output for the current device. Without a device, the loop runs until one comes."""
         try:
             return self._make_output()
         except ArgumentError:
             self._tried = 0  # `follow` reports the error
-            return self._output(0, Capability(rate=self._rate))
+            return self._make_output_for(0, Capability(rate=self._rate))
 
     def follow(self, renderer: Renderer) -> dict[str, str]:
-        """Let the renderer make frames for the device that needs them; return the errors of a new device."""
-        device = self._device.value
+        """Let the renderer make frames for the device that needs them; return the errors of a new device.
+
+        A device takes over with its first frame. While the renderer is halted, it makes none, so this writes an empty
+        one.
+        """
+        device, problems = self._device.value, dict[str, str]()
         generation = device.next_generation or device.generation
-        if generation in (0, self._tried):
-            return {}
+        if generation not in (0, self._tried):
+            problems = self._switch(renderer, generation)
+        newest = self._newest
+        if renderer.halted is not None and newest and newest.generation == device.next_generation:
+            newest.silence()
+        return problems
+
+    def _switch(self, renderer: Renderer, generation: int) -> dict[str, str]:
+        """Let the renderer make frames for a new device; return its errors."""
         self._tried = generation
         try:
             made = self._make_output()
@@ -127,6 +139,7 @@ class OutputSwitcher:
             renderer.use(made)
         except ArgumentError as error:
             return {f"device {generation}": describe_error(error)}
+        self._newest = made
         return {}
 
     def _make_output(self) -> SharedFrameBackend:
@@ -139,13 +152,13 @@ class OutputSwitcher:
         if not generation:
             raise ArgumentError("backend", "must be open")
         check_rate(device.rate, self._rate)
-        return self._output(generation, device.capability)
+        return self._make_output_for(generation, device.capability)
 
-    def _output(self, generation: int, capability: Capability) -> SharedFrameBackend:
+    def _make_output_for(self, generation: int, capability: Capability) -> SharedFrameBackend:
         return SharedFrameBackend(
             self._file, self._device, self._permit, generation, capability, self._tag
         )
 
 
-def _bytes(levels: Levels) -> memoryview:
+def _encode_levels(levels: Levels) -> memoryview:
     return np.ascontiguousarray(levels, dtype="<u2").data.cast("B")

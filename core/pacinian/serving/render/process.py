@@ -14,7 +14,7 @@ from contextlib import ExitStack
 from msgspec.msgpack import Decoder
 
 from pacinian.plugins.backend import Capability
-from pacinian.serving.ipc import child_process, scheduling
+from pacinian.serving.ipc import launch_config, parent_link, scheduling
 from pacinian.serving.ipc.logs import configure
 from pacinian.serving.ipc.memory_trim import trim_memory
 from pacinian.serving.ipc.messages import DeviceStatus, open_wake_pipe, open_wakes
@@ -33,14 +33,14 @@ def main() -> None:
     """Render until the parent ends or asks this process to end."""
     try:
         signal.signal(signal.SIGTERM, signal.default_int_handler)
-        config = child_process.read_launch_config(lambda: _thread.interrupt_main(signal.SIGTERM))
+        config = parent_link.read_launch_config(lambda: _thread.interrupt_main(signal.SIGTERM))
         configure(config.settings.log, "render")
         _render(config)
     except KeyboardInterrupt:
         return
 
 
-def _render(config: child_process.LaunchConfig) -> None:
+def _render(config: launch_config.LaunchConfig) -> None:
     settings = config.settings
     with ExitStack() as stack:
         files = {

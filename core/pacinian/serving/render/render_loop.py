@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
     from pacinian.scene.modulation.technique import Technique
-    from pacinian.serving.ipc.messages import RequestedSettings
+    from pacinian.serving.ipc.messages import Selections
     from pacinian.serving.ipc.shared_memory import SharedRegister
     from pacinian.serving.ipc.wake_pipe import WakePipe
     from pacinian.serving.render.background_loader import BackgroundLoader
@@ -49,14 +49,14 @@ if TYPE_CHECKING:
 
 FILES = (
     "permit",
-    "requested_settings",
+    "selections",
     "changes",
     "changes_ack",
     "frame",
     "renderer_status",
     "device",
 )
-EARLY = 0.02  # time before a permit expires at which the output begins to fade out [s]
+FADE_LEAD = 0.02  # time before a permit expires at which the output begins to fade out [s]
 EXPLAIN_PERIOD = 0.2  # shortest time between two computations of the nearest object [s]
 MIN_REST_INTERVAL = 0.05  # shortest time between two reports while the loop rests [s]
 # Longest time between two ticks while each repeats the frame before [s]. It is short because something that moves by
@@ -65,7 +65,7 @@ STILL_INTERVAL = 4e-3
 # Longest time between two ticks while each repeats the frame before, as a share of the time without a new frame after
 # which the output is silenced.
 STILL_SHARE = 0.25
-MAX_RESULTS = 64  # largest number of results of orders that are kept
+MAX_RESULTS = 64  # largest number of results that are kept
 NO_DEVICE = messages.DeviceStatus(0, 0, "", 256, 256, 0.0, None, 0.0, False)
 
 
@@ -90,13 +90,13 @@ class RenderLoop:
         self.results: dict[str, str] = {}
         self.solvers: tuple[Plugin, ...] = ()
         """The solvers that can be selected."""
-        self._files, self._settings, self._choosing = files, settings, solvers
+        self._files, self._settings, self._switcher = files, settings, solvers
         self.clock = clock or SystemClock()
         self._permit = RegisterReader(files["permit"], messages.Permit.unpack, messages.Permit())
-        self._requested = RegisterReader(
-            files["requested_settings"],
-            Decoder(messages.RequestedSettings).decode,
-            messages.RequestedSettings(),
+        self._selections = RegisterReader(
+            files["selections"],
+            Decoder(messages.Selections).decode,
+            messages.Selections(),
         )
         self._device = RegisterReader(
             files["device"], Decoder(messages.DeviceStatus).decode, NO_DEVICE
@@ -112,7 +112,7 @@ class RenderLoop:
         )
         self._device.look()
         self._outputs = OutputSwitcher(
-            files["frame"], self._device, self._permit, settings.rate, self._tag
+            files["frame"], self._device, self._permit, settings.rate, self._make_tag
         )
         sampling = settings.sampling
         self.renderer = Renderer(
@@ -120,7 +120,7 @@ class RenderLoop:
             Scene(workspace=settings.workspace),
             medium=medium,
             solver=solvers.chosen,
-            backend=self._outputs.first(),
+            backend=self._outputs.make_first(),
             rate=settings.rate,
             sampler=Sampler(sampling.budget, sampling.spacing, ramp=RAMP_TIME),
             max_cycle_frames=settings.max_cycle_frames,
@@ -131,7 +131,7 @@ class RenderLoop:
         limits = Limits(gain=settings.gain, power=settings.power)
         self._quiet = True
         self._quieting = ZonePlacement(array, self.renderer.session.medium, limits, len(zones))
-        self._done = messages.RequestedSettings()
+        self._done = messages.Selections()
         # The default technique, by name and value.
         self._kind: tuple[str, Technique] = "", SIMULTANEOUS
         self._presentation: WireTechnique | None = None
@@ -154,10 +154,10 @@ class RenderLoop:
         self.replica.start = self.renderer.start
         self._changes.skip()
         self._files["changes_ack"].write(messages.pack(messages.ChangesAck(0, self.run, 0)))
-        self._try(self._requested.look)
-        self._reset = self._requested.value.reset
-        self._apply_settings(self._requested.value)
-        self.renderer.scene = self._scene
+        self._try(self._selections.look)
+        self._reset = self._selections.value.reset
+        self._apply_selections(self._selections.value)
+        self.renderer.scene = self._make_scene
         self._report(self.clock.now())
 
     def run_ticks(self, wake: WakePipe) -> None:
@@ -187,13 +187,13 @@ class RenderLoop:
         watchdog = self._device.value.watchdog or math.inf
         limit = min(self._settings.safety.frame_timeout, watchdog)
         longest = min(STILL_INTERVAL, STILL_SHARE * limit)
-        fade = self._permit.value.until - EARLY - self.clock.now()
+        fade = self._permit.value.until - FADE_LEAD - self.clock.now()
         return min(longest, fade) if fade >= 0.0 else longest
 
     @property
     def rests(self) -> bool:
         """Whether another tick would change nothing: there is silence, no permit, and nothing new or pending."""
-        if not self.renderer.silent or self._choosing.starting:
+        if not self.renderer.silent or self._switcher.starting:
             return False
         if self.renderer.halted is not None:
             return True  # until a reset
@@ -210,7 +210,7 @@ class RenderLoop:
     @property
     def _has_news(self) -> bool:
         """Whether another process has written a value that ends the rest, or that `run_between` reads."""
-        return self._requested.waiting or self._device.waiting or not self.rests
+        return self._selections.waiting or self._device.waiting or not self.rests
 
     def close(self) -> None:
         """Silence the output."""
@@ -220,7 +220,7 @@ class RenderLoop:
         """Do the work between two ticks: settings, a new device, a new solver, a report. Never raises an Exception."""
         for step in (
             self._follow_device,
-            self._poll_settings,
+            self._poll_selections,
             self._poll_solver,
             self._restart_after_reset,
         ):
@@ -246,25 +246,31 @@ class RenderLoop:
             self._record_results(self._outputs.follow(self.renderer))
             self._switched = self._switched or self.renderer.backend is not before
 
-    def _poll_settings(self) -> None:
-        if self._requested.look():
-            self._apply_settings(self._requested.value)
+    def _poll_selections(self) -> None:
+        if self._selections.look():
+            self._apply_selections(self._selections.value)
 
-    def _scene(self, t: float) -> Scene:
+    def _make_scene(self, t: float) -> Scene:
         """Return the scene of a tick."""
         self._switched = False
         epoch = self._permit.value.epoch
         if self._permit.look() and self._permit.value.epoch != epoch:
             self.renderer.restart()  # nothing that an earlier permit has begun may sound under this one
-        self._try(self._take)
+        self._try(self._take_changes)
         self._quiet = self._is_quiet()
         permit = self._permit.value
-        over = self.clock.now() > permit.until - EARLY
+        over = self.clock.now() > permit.until - FADE_LEAD
         other = permit.scene != self.replica.number
-        hushed = permit.armed != 1 or permit.stopped or over or other or not self._quiet
+        hushed = (
+            permit.armed != messages.PermitState.ARMED
+            or permit.stopped
+            or over
+            or other
+            or not self._quiet
+        )
         return self.replica.silenced if hushed else self.replica.scene
 
-    def _take(self) -> None:
+    def _take_changes(self) -> None:
         """Apply the new changes."""
         last = self._changes.value[0]
         if not self._changes.look():
@@ -287,19 +293,19 @@ class RenderLoop:
         return True
 
     def _poll_solver(self) -> None:
-        self._record_results(self._choosing.poll())
-        solver, session = self._choosing.chosen, self.renderer.session
+        self._record_results(self._switcher.poll())
+        solver, session = self._switcher.chosen, self.renderer.session
         if session.solver is not solver:
             session.solver = solver
 
-    def _apply_settings(self, orders: RequestedSettings) -> None:
-        """Carry out the new orders. An order that fails does not stop the others."""
-        done, self._done = self._done, orders
+    def _apply_selections(self, selections: Selections) -> None:
+        """Carry out the new selections. One that fails does not stop the others."""
+        done, self._done = self._done, selections
         (solver, choice), (technique, asked), (intensity, level) = (
-            orders.solver, orders.technique, orders.intensity
+            selections.solver, selections.technique, selections.intensity
         )  # fmt: skip
         if solver != done.solver[0] and choice is not None:
-            problem = self._try(lambda: self._choosing.order(solver, choice))
+            problem = self._try(lambda: self._switcher.select(solver, choice))
             if problem:
                 self._record_results({f"solver {solver}": problem})
         if technique != done.technique[0]:
@@ -325,7 +331,7 @@ class RenderLoop:
 
     def _restart_after_reset(self) -> None:
         """After a reset, restart the renderer once the device has no fault."""
-        reset = self._requested.value.reset
+        reset = self._selections.value.reset
         if reset == self._reset or self._device.value.fault:
             return
         self._reset = reset
@@ -337,10 +343,10 @@ class RenderLoop:
         for old in list(self.results)[:-MAX_RESULTS]:
             del self.results[old]
 
-    def _tag(self) -> Input:
+    def _make_tag(self) -> Input:
         """Return what belongs to the frame that is being sent. A newer hand update may have arrived since."""
         part, parts = self.renderer.modulator.place_in_cycle
-        newest = self.replica.input(self.renderer.rendered_scene)
+        newest = self.replica.find_input(self.renderer.rendered_scene)
         return newest._replace(start=self.renderer.start, part=part, parts=parts)
 
     def _report(self, now: float) -> None:
@@ -355,7 +361,7 @@ class RenderLoop:
             self.solvers,
         )
         try:
-            self._publish(replace(report, state=self._state(now)))
+            self._publish(replace(report, state=self._make_state(now)))
         except Exception as error:
             self.replica.refuse("", describe_error(error))
             self._publish(report)
@@ -363,7 +369,7 @@ class RenderLoop:
     def _publish(self, report: messages.RendererStatus) -> None:
         self._files["renderer_status"].write(messages.pack(report))
 
-    def _state(self, now: float) -> dict[str, Any]:
+    def _make_state(self, now: float) -> dict[str, Any]:
         renderer = self.renderer
         state = renderer_status.make_status(renderer, now - renderer.start)
         state["technique"], state["intensity"] = self._kind[0], self._intensity

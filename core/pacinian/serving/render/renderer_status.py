@@ -23,34 +23,38 @@ if TYPE_CHECKING:
 # Number of measurements averaged for `felt`. They take about a second together.
 AVERAGED_MEASUREMENTS = 20
 UNKNOWN = (math.nan,) * 4
-FAULTS = 5  # largest number of faults reported
-EDGES = 10.0 ** (np.arange(1, 64) / 16.0 - 5.0)  # edges between the bins of `State.tick_counts` [s]
+MAX_FAULTS = 5  # largest number of faults reported
+TICK_BIN_EDGES = 10.0 ** (
+    np.arange(1, 64) / 16.0 - 5.0
+)  # edges between the bins of `State.tick_counts` [s]
 
 
 def make_status(renderer: Renderer, t: float) -> dict[str, Any]:
     """Return fields of `pacinian.wire.state.State` at time t [s] of the scene."""
     report, ticks = renderer.report, np.sort(renderer.report.recent(round(1.0 / renderer.period)))
-    hands = find_hands(renderer, t)
+    hands, faults = find_hands(renderer, t), list(report.faults)[-MAX_FAULTS:]
     return {
         **_make_sample_fields(renderer, hands),
-        **_zones(renderer),
+        **_describe_zones(renderer),
         "solver": shorten(renderer.session.solver.name),
         "hands": b"".join(hand.joints.astype("<f4").tobytes() for hand in hands if hand.joints is not None),
         "ticks": report.ticks,
         "late": report.late_ticks,
         "rate": 1.0 / renderer.period,
-        "tick_ms": _milliseconds(ticks),
-        "tick_counts": _counts(ticks),
+        "tick_ms": _compute_quantiles(ticks),
+        "tick_counts": _count_ticks(ticks),
         "frames": report.frames_sent,
         "skipped": dict(report.skipped),
-        "faults": tuple(shorten(f"{fault.stage}: {fault.message}")[:200] for fault in list(report.faults)[-FAULTS:]),
+        "faults": tuple(shorten(f"{fault.stage}: {fault.message}")[:200] for fault in faults),
         "fault_count": report.fault_count,
     }  # fmt: skip
 
 
 def find_hands(renderer: Renderer, t: float) -> list[Hand]:
     """Return the hands at time t [s] of the scene, without those that are lost or were last seen long ago."""
-    return [seen for hand in renderer.newest_scene.hands if (seen := _see(hand, t)) is not None]
+    return [
+        seen for hand in renderer.newest_scene.hands if (seen := _extrapolate(hand, t)) is not None
+    ]
 
 
 def _make_sample_fields(renderer: Renderer, hands: list[Hand]) -> dict[str, Any]:
@@ -79,15 +83,15 @@ def _make_sample_fields(renderer: Renderer, hands: list[Hand]) -> dict[str, Any]
     }
 
 
-def _zones(renderer: Renderer) -> dict[str, Any]:
+def _describe_zones(renderer: Renderer) -> dict[str, Any]:
     """Return a status if quiet zones are louder than their limit, and the reason if the solved gains keep it."""
-    nulls, solution = renderer.session.propagator.nulls, renderer.solution
-    if nulls is None:
+    quiet_subspace, solution = renderer.session.propagator.quiet_subspace, renderer.solution
+    if quiet_subspace is None:
         return {}
-    loudest = max((nulls.measure_excess(g) for g in renderer.cycle_gains), default=0.0)
+    loudest = max((quiet_subspace.measure_excess(g) for g in renderer.cycle_gains), default=0.0)
     if loudest <= 1.0:
         return {}
-    rounded = solution is not None and nulls.bound_excess(solution.gains) <= 1.0
+    rounded = solution is not None and quiet_subspace.bound_excess(solution.gains) <= 1.0
     reason = ", because levels and numbers are rounded" if rounded else ""
     return {"status": f"quiet zones {20.0 * math.log10(loudest):.1f} dB above their limit{reason}"}
 
@@ -99,7 +103,7 @@ def _encode_felt(renderer: Renderer, labels: list[str]) -> bytes:
     return np.array(figures, dtype="<f4").tobytes()
 
 
-def _see(hand: Hand, t: float) -> Hand | None:
+def _extrapolate(hand: Hand, t: float) -> Hand | None:
     """Return a hand, extrapolated by its velocities; None if it is lost, or was last seen long ago."""
     if hand.lost or hand.time is None:
         return None if hand.lost else hand
@@ -107,13 +111,13 @@ def _see(hand: Hand, t: float) -> Hand | None:
     return None if age >= HOLD_TIME + FADE_TIME else hand.extrapolate(min(age, HOLD_TIME))
 
 
-def _counts(ticks: Floats) -> bytes:
+def _count_ticks(ticks: Floats) -> bytes:
     """Return the number of sorted times (T,) [s] in each bin."""
-    below = np.searchsorted(ticks, EDGES)
+    below = np.searchsorted(ticks, TICK_BIN_EDGES)
     return np.diff(below, prepend=0, append=len(ticks)).astype("<u4").tobytes()
 
 
-def _milliseconds(ticks: Floats) -> tuple[float, float, float]:
+def _compute_quantiles(ticks: Floats) -> tuple[float, float, float]:
     """Return median, 99th percentile and maximum [ms] of sorted times (T,) [s]."""
     if not len(ticks):
         return 0.0, 0.0, 0.0

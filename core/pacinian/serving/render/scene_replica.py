@@ -76,7 +76,7 @@ class SceneReplica:
         self._input = Input()
         self._inputs: WeakKeyDictionary[Scene, Input] = WeakKeyDictionary()
         self._hushed: tuple[Scene, Scene] = self.scene, self.scene
-        self._does: dict[type, Callable[[Any], None]] = {
+        self._appliers: dict[type, Callable[[Any], None]] = {
             messages.ResetScene: self._begin,
             messages.PutObject: self._put,
             messages.MoveObject: self._move,
@@ -91,7 +91,7 @@ class SceneReplica:
         for done in self._loader.take_results():
             self._take(done)
         for change in changes:
-            self._do(change)
+            self._apply_change(change)
         scene = self.scene
         if self._gone:
             scene = scene.remove(*self._gone)
@@ -135,7 +135,7 @@ class SceneReplica:
         """Return the names of objects that are loaded for the first time, so that nothing is rendered for them yet."""
         return [name for name in self._loading if name not in self._items]
 
-    def input(self, scene: Scene) -> Input:
+    def find_input(self, scene: Scene) -> Input:
         """Return the newest hand update in an earlier state of this scene."""
         return self._inputs.get(scene, Input())
 
@@ -149,14 +149,14 @@ class SceneReplica:
             self._apply_settings(self._items[item.name])
         self.apply()
 
-    def _do(self, change: messages.AnyChange) -> None:
+    def _apply_change(self, change: messages.AnyChange) -> None:
         name = getattr(change, "name", "")
         waiting = self._loading.get(name)
         if waiting is not None and isinstance(change, (messages.MoveObject, messages.SetEnvelope)):
             kept = [old for old in waiting[1] if type(old) is not type(change)]
             self._loading[name] = waiting[0], [*kept, change]
         try:
-            self._does[type(change)](change)
+            self._appliers[type(change)](change)
         except Exception as error:  # whatever a change raises, the loop must go on
             self.refuse(name, describe_error(error))
 
@@ -231,7 +231,7 @@ class SceneReplica:
         name = getattr(change, "name", "")
         self._turn += 1
         self._loading[name] = self._turn, [change]
-        self._loader.ask(name, self._turn, job)
+        self._loader.queue(name, self._turn, job)
 
     def _take(self, done: background_loader.Loaded) -> None:
         turn, (change, *later) = self._loading.get(done.name, (0, [messages.ResetScene()]))
@@ -245,7 +245,7 @@ class SceneReplica:
         elif done.name in self._items:
             self._change(self._items[done.name], envelope=done.made)
         for change in later:
-            self._do(change)
+            self._apply_change(change)
 
     def _move(self, change: messages.MoveObject) -> None:
         item = self._items.get(change.name)
@@ -276,7 +276,7 @@ class SceneReplica:
     def _load_envelope(self, change: messages.SetEnvelope, job: Callable[[], Timed]) -> None:
         """Load an envelope; if the object that it is for is being loaded, after that."""
         first = self._loading[change.name][1][0] if change.name in self._loading else None
-        if not isinstance(first, messages.PutObject):  # `_do` keeps the change for later
+        if not isinstance(first, messages.PutObject):  # `_apply_change` keeps the change for later
             self._load(change, job)
 
     def _change(self, item: Object, **fields: Any) -> None:

@@ -10,13 +10,14 @@ import queue
 import time
 from typing import TYPE_CHECKING, NamedTuple, cast
 
-from pacinian.errors import describe_error
+from pacinian.errors import PluginError, describe_error
 from pacinian.rendering.warmup import try_out
 from pacinian.scene.config_sections import PluginConfig
 from pacinian.serving.ipc import plugin_list
 from pacinian.serving.ipc.messages import SUPERSEDED
 from pacinian.serving.ipc.scheduling import start_background_thread
 from pacinian.session import Session
+from pacinian.solving.solution_status import Status
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -33,20 +34,20 @@ MAX_HANGING = 4
 
 
 class StartedSolver(NamedTuple):
-    """The result of an order: a solver that passed a trial solve, or the reason why there is none."""
+    """The result of a selection: a solver that passed a trial solve, or the reason why there is none."""
 
-    order: int
+    number: int
     solver: Solver | None
     problem: str = ""
 
 
 class SolverSwitcher:
-    """Starts the solver that was selected last. Starts one solver at a time, and keeps only the newest waiting order.
+    """Starts the solver that was selected last: one at a time. Of the selections that wait, it keeps only the newest.
 
     chosen: the first solver. array, medium: for the trial solve of a new solver. configured: the configured solver,
     with the owner's options. thread, clock: for tests.
 
-    A solver that takes longer than `START_TIMEOUT` to start gives way to a newer order, because it may hang.
+    A solver that takes longer than `START_TIMEOUT` to start gives way to a newer selection, because it may hang.
     """
 
     def __init__(
@@ -64,7 +65,7 @@ class SolverSwitcher:
         self._thread = thread or functools.partial(start_background_thread, name="solver")
         self._started: queue.SimpleQueue[StartedSolver] = queue.SimpleQueue()
         self._clock = clock
-        self._starting = 0  # order number of the solver being started; 0 if none
+        self._starting = 0  # number of the selection whose solver is being started; 0 if none
         self._since = 0.0  # when its start began [s]
         self._hanging = 0  # number of abandoned solvers whose threads have not returned
         self._next: tuple[int, Choice] | None = None  # to start next, once none is being started
@@ -75,8 +76,8 @@ class SolverSwitcher:
         """Whether a solver is being started, so that `poll` must be called again."""
         return bool(self._starting)
 
-    def order(self, number: int, choice: Choice) -> None:
-        """Order a solver; the newest order wins."""
+    def select(self, number: int, choice: Choice) -> None:
+        """Select a solver; the newest selection wins."""
         if self._next is not None:
             self._results[f"solver {self._next[0]}"] = SUPERSEDED
         self._next = number, choice
@@ -99,7 +100,9 @@ class SolverSwitcher:
             # Catch whatever a plug-in raises, because an exception must not end the thread.
             try:
                 solver = make_solver(choice, self._configured)
-                try_out(Session(self._array, self._medium, solver))
+                trial = try_out(Session(self._array, self._medium, solver))
+                if trial.status is Status.failed:
+                    raise PluginError("gives gains that are not finite")
             except BaseException as error:
                 self._started.put(
                     StartedSolver(number, None, f"{choice.name}: {describe_error(error)}")
@@ -110,10 +113,10 @@ class SolverSwitcher:
         self._thread(work)
 
     def poll(self) -> dict[str, str]:
-        """Take the solvers that have started; return the results of orders."""
+        """Take the solvers that have started; return the results of selections."""
         while not self._started.empty():
-            order, solver, problem = self._started.get()
-            if order != self._starting:
+            number, solver, problem = self._started.get()
+            if number != self._starting:
                 self._hanging -= 1
                 continue
             if solver is not None:
@@ -130,7 +133,7 @@ class SolverSwitcher:
         return results
 
     def _end(self, problem: str) -> None:
-        """Record the result of the current order; start the next."""
+        """Record the result of the current selection; start the next."""
         self._results[f"solver {self._starting}"], self._starting = problem, 0
         self._begin()
 

@@ -34,9 +34,9 @@ if TYPE_CHECKING:
     from pacinian.types import Floats
 
 WARMUP_HEIGHT = 0.15  # height of the warm-up scenes above the array [m]
-TICKS = 4  # number of ticks of each warm-up scene; they load all that later ticks need
-QUIET = 1.0  # limit of the sound pressure in a quiet zone [Pa]
-POWER = 1e-3  # power limit, below what the points need, so that the solver must enforce it
+WARMUP_TICKS = 4  # number of ticks of each warm-up scene; they load all that later ticks need
+ZONE_PRESSURE = 1.0  # limit of the sound pressure in a quiet zone [Pa]
+POWER_LIMIT = 1e-3  # power limit, below what the points need, so that the solver must enforce it
 PRESSURE: Any = {"radiation_pressure": 1.0}
 NOISE = Noise(low_frequency=50.0, high_frequency=200.0)
 
@@ -49,14 +49,17 @@ def warm_up(array: Array, medium: Air, solver: Solver, capability: Capability, r
     away = array.normals.mean(axis=0)
     place: Floats = array.positions.mean(axis=0) + WARMUP_HEIGHT * away
     x, y, z = (place + 0.1).tolist()
-    kinds = Limits(), Limits(power=POWER, zones=(Zone((x, y, z), pressure=QUIET, radius=0.0),))
-    with limit_blas_threads(), _no_warnings():
-        for scene, limits in product(_scenes(place), kinds):
+    kinds = (
+        Limits(),
+        Limits(power=POWER_LIMIT, zones=(Zone((x, y, z), pressure=ZONE_PRESSURE, radius=0.0),)),
+    )
+    with limit_blas_threads(), _suppress_warnings():
+        for scene, limits in product(_make_scenes(place), kinds):
             _render(array, medium, solver, capability, rate, scene, limits)
 
 
 @contextlib.contextmanager
-def _no_warnings() -> Generator[None]:
+def _suppress_warnings() -> Generator[None]:
     """Log no warnings about the warm-up's objects, which no user has made."""
     logger = logging.getLogger("pacinian")
     before, logger.disabled = logger.disabled, True
@@ -81,18 +84,18 @@ def _render(
         clock=FixedClock(),
     )
     with renderer:
-        for tick in range(TICKS):
+        for tick in range(WARMUP_TICKS):
             renderer.tick(tick / rate)
 
 
-def _scenes(place: Floats) -> Iterator[Scene]:
+def _make_scenes(place: Floats) -> Iterator[Scene]:
     x, y, z = place.tolist()
     at, hand = Pose((x, y, z)), Hand.open(pose=Pose((x, y, z + 0.01)), time=0.0)
     point = Point(position=(x, y, z), **PRESSURE)
     other = Point(position=(x + 0.03, y, z), technique=AM(), **PRESSURE)
     circle = Path(shape=Circle(0.02), pose=at, technique=STM(frequency=100.0), **PRESSURE)
     ball = Volume(shape=Sphere(0.012), pose=at, envelope=NOISE, **PRESSURE)
-    solid = load_object(Volume(shape=_tetrahedron(), pose=at, **PRESSURE))
+    solid = load_object(Volume(shape=_make_tetrahedron(), pose=at, **PRESSURE))
     felt: tuple[Object, ...] = point, ball, solid
     yield Scene((point, other))
     yield Scene((circle,))
@@ -100,7 +103,7 @@ def _scenes(place: Floats) -> Iterator[Scene]:
     yield Scene(felt, hands=(hand,))
 
 
-def _tetrahedron() -> Mesh:
+def _make_tetrahedron() -> Mesh:
     a, b = 0.012, -0.012
     corners: tuple[Vector, ...] = (a, a, a), (a, b, b), (b, a, b), (b, b, a)
     return Mesh(vertices=corners, faces=((0, 1, 2), (0, 3, 1), (0, 2, 3), (1, 3, 2)))

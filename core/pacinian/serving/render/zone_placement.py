@@ -1,6 +1,7 @@
 """Quiet zones in the render process.
 
-They are prepared outside the loop, with a margin for movement. Until then, there is silence.
+They are prepared outside the loop, with a margin for movement, which takes 0.5 to 1 s for one unit, 4 to 15 s for nine.
+Until then, there is silence.
 """
 
 from __future__ import annotations
@@ -19,7 +20,9 @@ if TYPE_CHECKING:
     from pacinian.solving.quiet_zone import Zone
 
 AT_ONCE = Budget.until(0.0)
-MARGIN = 0.02  # distance by which the prepared ball is larger than a zone that may move [m]
+MOVEMENT_MARGIN = (
+    0.02  # distance by which the prepared ball is larger than a zone that may move [m]
+)
 
 
 class ZonePlacement:
@@ -43,9 +46,12 @@ class ZonePlacement:
         return self._next is not None
 
     def prepare(self, zones: tuple[Zone, ...]) -> None:
-        """Prepare zones that never move; wait for that, which may take seconds. Raises ArgumentError."""
+        """Prepare zones that never move, and wait for that: 0.5 to 1 s for one unit, 4 to 15 s for nine.
+
+        Raises ArgumentError.
+        """
         rms = self.limits.rms(len(self._array))
-        self._preparation.nulls(self._array, self._medium, zones, rms, Budget())
+        self._preparation.get(self._array, self._medium, zones, rms, Budget())
         self.limits = replace(self.limits, zones=zones)
 
     def keeps(self, zones: tuple[Zone, ...] | None) -> bool:
@@ -67,7 +73,7 @@ class ZonePlacement:
             self._next = self._widen(zones)
         if self._next is not None:
             self._look(zones)
-        return _room(self.limits.zones, zones) >= 0.0
+        return _compute_room(self.limits.zones, zones) >= 0.0
 
     def _look(self, zones: tuple[Zone, ...]) -> None:
         """Take the result of a preparation, if there is one."""
@@ -75,7 +81,7 @@ class ZonePlacement:
         rms = self.limits.rms(len(self._array))
         self.note = "silent: the quiet zones are being prepared"
         try:
-            made = self._preparation.nulls(self._array, self._medium, self._next, rms, AT_ONCE)
+            made = self._preparation.get(self._array, self._medium, self._next, rms, AT_ONCE)
         except ArgumentError as error:
             self.note = f"silent: {describe_error(error)}"
             self._next = zones  # without a margin, or at the current places
@@ -86,7 +92,10 @@ class ZonePlacement:
     def _widen(self, zones: tuple[Zone, ...]) -> tuple[Zone, ...]:
         """Return the zones with a margin for those that may move."""
         n = self._fixed
-        return (*zones[:n], *(replace(one, radius=one.radius + MARGIN) for one in zones[n:]))
+        return (
+            *zones[:n],
+            *(replace(one, radius=one.radius + MOVEMENT_MARGIN) for one in zones[n:]),
+        )
 
     def _suits(self, zones: tuple[Zone, ...]) -> bool:
         """Whether the prepared zones are made for these: no stricter or larger, and half of the margin is left."""
@@ -97,12 +106,12 @@ class ZonePlacement:
                 big.pressure == wide.pressure and big.radius <= wide.radius
                 for big, wide in zip(kept, self._widen(zones), strict=True)
             )
-            and _room(kept[:n], zones[:n]) >= 0.0
-            and _room(kept[n:], zones[n:]) >= 0.5 * MARGIN
+            and _compute_room(kept[:n], zones[:n]) >= 0.0
+            and _compute_room(kept[n:], zones[n:]) >= 0.5 * MOVEMENT_MARGIN
         )
 
 
-def _room(kept: tuple[Zone, ...], zones: tuple[Zone, ...]) -> float:
+def _compute_room(kept: tuple[Zone, ...], zones: tuple[Zone, ...]) -> float:
     """Return how far each of `zones` may still move within the ball prepared for it [m]; negative if any is outside."""
     if len(kept) != len(zones):
         return -math.inf

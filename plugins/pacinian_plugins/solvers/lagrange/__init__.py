@@ -5,7 +5,7 @@ problem.py            `Problem`: arguments of a solve; what its gains reach
 gain_limited.py       the gain limit alone: pseudo-inverse, weighted steps, Newton steps, free phases
 regions.py            regions: least squares with all phases given, by conjugate gradients
 strongest_uniform.py  the strongest even distribution on a region
-constrained.py        power limit, quiet zones, exact points, more samples than transducers: by convex/
+constrained.py        power limit, quiet points, exact samples, more samples than transducers: by convex/
 strongest_phases.py   phases for the strongest solution, by local search
 reference.py          Newton steps in double precision, NumPy
 newton_time.py        is there time for one more Newton step?

@@ -259,8 +259,7 @@ class Lagrange(pc.Solver):
         reached = math.sqrt(kernels.peak(out)) > 0.0
         return pc.Result(
             iterations=answer.steps,
-            limited=reached
-            and (at_limit > 0 or bool(limits.solver_limits) or limits.power is not None),
+            limited=reached and (at_limit > 0 or limits.couples_gains),
             late=answer.late or problem.budget.spent,
             bound=math.nan if problem.strongest else unit**2 * found.bound,
             objective=math.nan if problem.strongest else unit**2 * found.objective,

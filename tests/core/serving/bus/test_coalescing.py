@@ -43,7 +43,7 @@ def desk(*keys: bytes) -> CommandDispatcher:
         Settings(), ARRAY, 7, lambda: None, lambda: (None, 0.0), RateLimitedLog(lambda: 0.0), AtOnce()  # type: ignore[arg-type]
     )  # fmt: skip
     infos = tuple(SessionInfo(key, f"c{i}", "s", "pacinian") for i, key in enumerate(keys))
-    made.sessions(SessionTable(infos, "s"))
+    made.update_sessions(SessionTable(infos, "s"))
     return made
 
 
@@ -68,8 +68,8 @@ def test_all_at_once_or_one_by_one_makes_the_same_scene(
     messages = [said(command, i + 1, key) for i, (key, command) in enumerate(given)]
     one_by_one, at_once = desk(*KEYS), desk(*KEYS)
     for message in messages:
-        one_by_one.messages([message])
-    at_once.messages(messages)
+        one_by_one.handle_messages([message])
+    at_once.handle_messages(messages)
     assert felt(at_once) == felt(one_by_one)
     assert at_once.received == one_by_one.received == len(messages)
     for key in KEYS:
@@ -78,15 +78,15 @@ def test_all_at_once_or_one_by_one_makes_the_same_scene(
 
 def test_what_is_replaced_is_not_decoded_and_counted_as_dropped() -> None:
     made = desk(KEYS[0])
-    made.messages([said(put({"a": point()}))])
+    made.handle_messages([said(put({"a": point()}))])
     spoilt = said(move(("a",), 0.0), 2)._replace(data=said(move(("a",), 0.09), 2).data[:-28])
     readable = said(move(("a",), 0.05), 3)
     kept, replaced = coalesce([said(move(("a",), 0.01), 2), readable])
     assert (kept, replaced) == ([readable], {KEYS[0]: 1})
-    made.messages([said(move(("a",), 0.01 * x), x) for x in range(2, 12)])
+    made.handle_messages([said(move(("a",), 0.01 * x), x) for x in range(2, 12)])
     client = made.clients[KEYS[0]]
     assert (client.commands, client.dropped, client.errors) == (11, 9, 0)
-    made.messages([spoilt, readable])
+    made.handle_messages([spoilt, readable])
     assert made.refused == 1  # unreadable messages never supersede others
 
 
@@ -106,8 +106,8 @@ def test_who_sends_too_much_is_told_also_of_what_would_be_replaced() -> None:
         Settings(clients=msgspec.structs.replace(Settings().clients, max_rate=5.0)), ARRAY, 7, lambda: None,
         lambda: (None, 0.0), RateLimitedLog(lambda: 0.0), AtOnce(),  # type: ignore[arg-type]
     )  # fmt: skip
-    made.sessions(SessionTable((SessionInfo(KEYS[0], "c", "s", "pacinian"),), "s"))
+    made.update_sessions(SessionTable((SessionInfo(KEYS[0], "c", "s", "pacinian"),), "s"))
     messages = [said(move(("a",), 0.0), i + 1)._replace(time=0.0) for i in range(8)]
-    made.messages(messages)
+    made.handle_messages(messages)
     told = [reply for _, reply in made.replies if isinstance(reply, Error)]
     assert [error.code for error in told].count("busy") == 3

@@ -85,14 +85,14 @@ def test_those_that_are_superseded_are_not_converted_and_take_no_memory() -> Non
 
 def test_one_that_is_removed_while_it_is_converted_stays_removed() -> None:
     room, who, renderer = room_of(), client(), FakeRenderer()
-    outbox = ChangeBatcher(7)
-    outbox.render(room)
+    batcher = ChangeBatcher(7)
+    batcher.render(room)
     do(room, who, put({"a": mesh()}))
     thing = room.objects["a"]
     do(room, who, remove("a"))
     thing.accept(b"late")
     assert converted(room) == []
-    renderer.drain(outbox)
+    renderer.drain(batcher)
     assert not renderer.scene
     assert (who.objects, who.bytes) == (0, 0)
 
@@ -102,9 +102,9 @@ def test_small_shapes_that_take_long_are_known() -> None:
     solids = shapes.Union((shapes.Box((0.1, 0.1, 0.1)), shapes.Sphere(0.1)))
     do(room, who, put({"u": objects.Volume(force=0.1, shape=solids)}))
     assert room.objects["u"].heavy
-    outbox = ChangeBatcher(7)
-    outbox.render(room)
-    batch = outbox.next()
+    batcher = ChangeBatcher(7)
+    batcher.render(room)
+    batch = batcher.make_batch()
     assert batch is not None
     assert not any(isinstance(c, PutObject) for c in batch.changes)
 
@@ -127,12 +127,12 @@ def test_those_that_are_superseded_are_dropped_at_once_and_answered() -> None:
         assert len(room._converter) == 1
     gc.collect()
     assert sum(ref() is not None for ref in items) == 1
-    assert list(room._converter.round()) == [(who, Ok(id=k)) for k in range(1, 200)]
+    assert list(room._converter.run_round()) == [(who, Ok(id=k)) for k in range(1, 200)]
     do(room, who, put({"a": mesh()}, id=300))  # while the one before is converted
-    assert list(room._converter.round()) == []
+    assert list(room._converter.run_round()) == []
     do(room, who, remove("a"))
     do(room, who, put({"c": mesh()}, id=301))
-    assert list(room._converter.round()) == [(who, Ok(id=300))]
+    assert list(room._converter.run_round()) == [(who, Ok(id=300))]
 
 
 @pytest.mark.parametrize("count", [1, 200])
@@ -173,8 +173,8 @@ def wave_of(names: tuple[str, ...], samples: int, ident: int = 0) -> Envelopes:
 
 def test_a_long_wave_is_converted_elsewhere_and_the_newest_envelope_wins() -> None:
     room, who, renderer = room_of(), client(), FakeRenderer()
-    outbox = ChangeBatcher(7)
-    outbox.render(room)
+    batcher = ChangeBatcher(7)
+    batcher.render(room)
     do(room, who, put({"a": point(), "b": point()}))
     for k in range(1, 21):
         assert not do(room, who, wave_of(("a", "b"), 20_000 + k, k))
@@ -183,7 +183,7 @@ def test_a_long_wave_is_converted_elsewhere_and_the_newest_envelope_wins() -> No
         assert who.bytes == sum(thing.size for thing in room.objects.values()) > 160_000
     do(room, who, wrap(("b",), 0.25))
     assert [reply for _, reply in converted(room)] == [Ok(id=k) for k in range(1, 21)]
-    renderer.drain(outbox)
+    renderer.drain(batcher)
     a, b = (renderer.scene[name][2] for name in "ab")
     assert isinstance(a, bytes)
     assert len(a) > 9 * 20_000

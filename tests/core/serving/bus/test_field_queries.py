@@ -49,7 +49,7 @@ def grid(count: int) -> np.ndarray:
 def run(fields: FieldQueries, most: int = 10_000) -> list[tuple[object, object]]:
     answers = []
     for _ in range(most):
-        if (answer := fields.step()) is not None:
+        if (answer := fields.run_chunk()) is not None:
             answers.append(answer)
         if not fields:
             return answers
@@ -59,7 +59,7 @@ def run(fields: FieldQueries, most: int = 10_000) -> list[tuple[object, object]]
 @pytest.mark.parametrize("count", [0, 1, 5000])
 def test_the_pressures_are_those_of_the_emitted_gains(count: int) -> None:
     fields, who, points = FieldQueries(ARRAY, AIR), client(), grid(count)
-    assert fields.ask(who, field(points), emitted()) is None
+    assert fields.begin(who, field(points), emitted()) is None
     [(whose, answer)] = run(fields)
     assert whose is who
     assert isinstance(answer, Pressures)
@@ -72,28 +72,28 @@ def test_the_pressures_are_those_of_the_emitted_gains(count: int) -> None:
 
 def test_long_queries_are_done_in_slices_and_clients_take_turns() -> None:
     fields, one, other = FieldQueries(ARRAY, AIR), client(1), client(2)
-    assert fields.ask(one, field(grid(20_000)), emitted()) is None
-    assert fields.ask(other, field(grid(5), 2), emitted()) is None
-    busy = fields.ask(one, field(grid(5), 3), emitted())
+    assert fields.begin(one, field(grid(20_000)), emitted()) is None
+    assert fields.begin(other, field(grid(5), 2), emitted()) is None
+    busy = fields.begin(one, field(grid(5), 3), emitted())
     assert busy is not None
     assert (busy.code, busy.id) == ("busy", 3)
-    steps = [fields.step() for _ in range(4)]
+    steps = [fields.run_chunk() for _ in range(4)]
     assert [answer[0] for answer in steps if answer is not None] == [other]
     assert len(fields) == 1
     assert [answer[0] for answer in run(fields)] == [one]
-    assert fields.ask(one, field(grid(5), 3), emitted()) is None
+    assert fields.begin(one, field(grid(5), 3), emitted()) is None
     fields.forget(one)
-    assert fields.step() is None
+    assert fields.run_chunk() is None
 
 
 def test_points_that_cannot_be_meant_are_refused() -> None:
     fields, who = FieldQueries(ARRAY, AIR), client()
     with pytest.raises(WireError, match="id"):
-        fields.ask(who, field(grid(1), 0), emitted())
+        fields.begin(who, field(grid(1), 0), emitted())
     with pytest.raises(WireError, match="points"):
-        fields.ask(who, field([[9.0, 9.0, 9.0]]), emitted())
+        fields.begin(who, field([[9.0, 9.0, 9.0]]), emitted())
     on = field(ARRAY.positions[:1], 4)
-    fields.ask(who, on, emitted())
+    fields.begin(who, on, emitted())
     [(_, answer)] = run(fields)
     assert isinstance(answer, Error)
     assert (answer.code, answer.path, answer.id) == ("argument", "$.points", 4)
@@ -101,44 +101,44 @@ def test_points_that_cannot_be_meant_are_refused() -> None:
 
 def test_gains_are_those_of_the_last_row_in_the_device_s_levels() -> None:
     known = EmittedGains(N)
-    assert not known.gains(b"")[0].any()
+    assert not known.decode_gains(b"")[0].any()
     data, phase, amplitude = frame(3)
-    assert not known.gains(data)[0].any()  # that device is unknown
-    known.device(device())
-    gains, time = known.gains(data)
+    assert not known.decode_gains(data)[0].any()  # that device is unknown
+    known.note_device(device())
+    gains, time = known.decode_gains(data)
     want = amplitude[-1] / 255 * np.exp(2j * np.pi * phase[-1] / 16)
     assert gains == pytest.approx(want, abs=1e-6)
     assert time == 2.5
-    known.device(device(sounding=False))
-    assert not known.gains(data)[0].any()
+    known.note_device(device(sounding=False))
+    assert not known.decode_gains(data)[0].any()
 
 
 def test_amplitudes_that_are_not_even_are_those_of_the_table() -> None:
     known, (data, phase, amplitude) = EmittedGains(N), frame(1)
     sizes = np.sin(np.pi / 2.0 * np.arange(16) / 15.0).astype("<f4")
-    known.device(replace(device(amplitudes=16), sizes=sizes.tobytes()))
+    known.note_device(replace(device(amplitudes=16), sizes=sizes.tobytes()))
     want = sizes[amplitude[-1]] * np.exp(2j * np.pi * phase[-1] / 16)
-    assert known.gains(data)[0] == pytest.approx(want, abs=1e-6)
+    assert known.decode_gains(data)[0] == pytest.approx(want, abs=1e-6)
 
 
 def test_levels_that_the_device_does_not_have_are_no_sound() -> None:
     known, (data, _, amplitude) = EmittedGains(N), frame(1)
-    known.device(device(amplitudes=int(amplitude.max())))
-    assert not known.gains(data)[0].any()
+    known.note_device(device(amplitudes=int(amplitude.max())))
+    assert not known.decode_gains(data)[0].any()
 
 
 def test_while_devices_change_each_frame_is_read_in_the_levels_it_was_made_for() -> None:
     known, (old, _, amplitude), (new, _, _) = EmittedGains(N), frame(1, 1), frame(1, 2)
-    known.device(device(1))
-    known.device(device(1, later=2, amplitudes=16))
-    assert np.abs(known.gains(old)[0]) == pytest.approx(amplitude[0] / 255, abs=1e-6)
-    assert np.abs(known.gains(new)[0]) == pytest.approx(amplitude[0] / 15, abs=1e-6)
-    known.device(device(2, amplitudes=16))
-    assert not known.gains(old)[0].any()
+    known.note_device(device(1))
+    known.note_device(device(1, later=2, amplitudes=16))
+    assert np.abs(known.decode_gains(old)[0]) == pytest.approx(amplitude[0] / 255, abs=1e-6)
+    assert np.abs(known.decode_gains(new)[0]) == pytest.approx(amplitude[0] / 15, abs=1e-6)
+    known.note_device(device(2, amplitudes=16))
+    assert not known.decode_gains(old)[0].any()
 
 
 def test_a_frame_of_another_array_is_none() -> None:
     known = EmittedGains(N)
-    known.device(device())
-    assert not known.gains(frame(1, columns=N + 1)[0])[0].any()
-    assert not known.gains(frame(1)[0][:-2])[0].any()
+    known.note_device(device())
+    assert not known.decode_gains(frame(1, columns=N + 1)[0])[0].any()
+    assert not known.decode_gains(frame(1)[0][:-2])[0].any()

@@ -11,7 +11,7 @@ import zmq
 import pacinian as pc
 from pacinian.serving.bus import process as module
 from pacinian.serving.bus.process import Bus, open_bus
-from pacinian.serving.ipc import child_process
+from pacinian.serving.ipc import launch_config, launched_child
 from pacinian.serving.ipc.auth import DOMAIN, USER
 from pacinian.serving.ipc.messages import (
     CAPACITIES,
@@ -56,7 +56,7 @@ class Server:
         self.context: zmq.Context[Any] = stack.enter_context(zmq.Context())
         self.renderer = FakeRenderer()
         self._seen = 0
-        self.round: Callable[[], object] = lambda: None
+        self.run_round: Callable[[], object] = lambda: None
         self.port = 0
         self.bus: Bus
 
@@ -87,7 +87,7 @@ class Server:
 
     def until(self, done: Callable[[], Any], *, taking: bool = True) -> Any:
         def look() -> Any:
-            self.round()
+            self.run_round()
             if taking:
                 self.take()
             return done()
@@ -110,7 +110,7 @@ def running(folder: Path, settings: Settings) -> Iterator[Server]:
     with contextlib.ExitStack() as stack:
         server = Server(folder, settings, stack)
         bus = stack.enter_context(open_bus(settings, folder, {"token": TOKEN}))
-        server.round, server.port, server.bus = bus.round, bus.port, bus
+        server.run_round, server.port, server.bus = bus.run_round, bus.port, bus
         yield server
 
 
@@ -252,7 +252,7 @@ def test_a_client_that_does_not_read_holds_up_nobody(server: Server) -> None:
     for i in range(3000):
         send(deaf, remove("a" * 60))
         if i % 100 == 0:
-            server.round()
+            server.run_round()
         send(deaf, put({}, session=A, sequence=i + 1, id=1))
     send(other, put({"b": point()}, session=B, id=1))
     assert server.reply(other) == Ok(id=1)
@@ -298,10 +298,10 @@ def test_errors_of_objects_that_are_converted_later_are_told(server: Server) -> 
 def test_it_runs_as_a_process_and_ends_with_its_parent(tmp_path: Path) -> None:
     with contextlib.ExitStack() as stack:
         server = Server(tmp_path, PLAIN, stack)
-        process = child_process.start(
-            "bus", child_process.LaunchConfig(str(tmp_path), PLAIN, {"token": TOKEN})
+        process = launched_child.start_child(
+            "bus", launch_config.LaunchConfig(str(tmp_path), PLAIN, {"token": TOKEN})
         )
-        stack.callback(child_process.end, process)
+        stack.callback(launched_child.end_child, process)
         server.until(lambda: server.memory["bus_status"].number)
         server.port = server.bus_status().port
         server.sessions(A)
@@ -311,7 +311,7 @@ def test_it_runs_as_a_process_and_ends_with_its_parent(tmp_path: Path) -> None:
         server.until(lambda: "a" in server.renderer.scene)
         beat = server.bus_status().heartbeat
         server.until(lambda: server.bus_status().heartbeat > beat)
-        assert child_process.end(process, PATIENCE) == 0
+        assert launched_child.end_child(process, PATIENCE) == 0
 
 
 def test_a_port_that_is_taken_is_told(server: Server, tmp_path: Path) -> None:
@@ -335,14 +335,14 @@ def test_a_round_takes_only_so_many_messages(
     for i in range(100):
         send(socket, move(("a",), 0.1, session=A, sequence=i + 2))
     rounds = 0
-    bus_round = server.round
+    bus_round = server.run_round
 
     def counted() -> None:
         nonlocal rounds
         rounds += 1
         bus_round()
 
-    server.round = counted
+    server.run_round = counted
     server.until(lambda: server.bus_status().received == 101)
     assert rounds >= 10
 
@@ -360,7 +360,18 @@ def test_before_its_first_report_it_takes_back_what_the_bus_before_told(tmp_path
 
 
 @pytest.mark.parametrize(
-    "where", ["_do", "_answer", "round", "expire", "step", "next", "sessions", "_leave", "encode"]
+    "where",
+    [
+        "_carry_out",
+        "_answer",
+        "run_round",
+        "expire",
+        "run_chunk",
+        "make_batch",
+        "update_sessions",
+        "_leave",
+        "encode",
+    ],
 )
 def test_whatever_is_raised_it_goes_on(
     server: Server, monkeypatch: pytest.MonkeyPatch, where: str
@@ -377,8 +388,8 @@ def test_whatever_is_raised_it_goes_on(
         raise RuntimeError(where)
 
     at: Any = {
-        "round": dispatcher.converter, "expire": next(iter(dispatcher.scenes.values())), "step": dispatcher.queries,
-        "next": dispatcher.batcher, "encode": module,
+        "run_round": dispatcher.converter, "expire": next(iter(dispatcher.scenes.values())),
+        "run_chunk": dispatcher.queries, "make_batch": dispatcher.batcher, "encode": module,
     }.get(where, dispatcher)  # fmt: skip
     with monkeypatch.context() as patch:
         patch.setattr(at, where, bad)
@@ -386,11 +397,11 @@ def test_whatever_is_raised_it_goes_on(
         server.sessions(A)
         server.until(lambda: raised)
         for _ in range(20):
-            server.round()
+            server.run_round()
     send(one, put({"c": point()}, session=A, id=3, sequence=3))
     server.until(lambda: decode_reply(one.recv()) == Ok(id=3) if one.poll(0) else None)
     server.until(lambda: "c" in server.renderer.scene)
-    if where == "_do":
+    if where == "_carry_out":
         server.until(lambda: server.bus_status().refused)
     del other
 

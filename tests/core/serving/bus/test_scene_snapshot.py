@@ -11,7 +11,7 @@ from pacinian.errors import WireError
 from pacinian.serving.bus.admission import BusSession
 from pacinian.serving.bus.conversion_queue import Converter
 from pacinian.serving.bus.dispatcher import carry_out
-from pacinian.serving.bus.scene_snapshot import FULL, make_snapshot
+from pacinian.serving.bus.scene_snapshot import MAX_SNAPSHOT_BYTES, make_snapshot
 from pacinian.serving.bus.shared_scene import SharedScene
 from pacinian.serving.ipc.messages import SessionInfo
 from pacinian.serving.settings import Settings
@@ -100,7 +100,7 @@ def mesh(vertices: int) -> objects.Surface:
 
 def test_much_is_told_in_parts_and_what_is_too_large_is_left_out(hall: Hall) -> None:
     large = mesh(49_998)
-    assert len(encode(large)) > 2 * FULL
+    assert len(encode(large)) > 2 * MAX_SNAPSHOT_BYTES
     hall.put(a=large, b=mesh(6000), c=mesh(6000))
     seen, since, answers = dict[str, objects.Object](), 0, 0
     while seen.keys() != {"a", "b", "c"}:

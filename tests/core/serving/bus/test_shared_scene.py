@@ -10,7 +10,6 @@ from pacinian.errors import WireError
 from pacinian.serving.bus.dispatcher import carry_out
 from pacinian.serving.bus.shared_scene import (
     MAX_CLIENT_BYTES,
-    MAX_QUIET_ZONES,
     CommandRejected,
     SharedScene,
 )
@@ -21,6 +20,7 @@ from pacinian.wire.binary_arrays import pack
 from pacinian.wire.commands import Clear, HandFrame, Move
 from pacinian.wire.commands import Zone as Ball
 from pacinian.wire.modulation import Wave
+from pacinian.wire.protocol import MAX_ZONES
 
 from ..fake_renderer import KEY, client, hands, move, point, put, quiet, remove, room_of, wrap
 
@@ -128,7 +128,7 @@ def test_those_that_are_there_are_moved_and_the_first_that_is_not_is_told() -> N
     with pytest.raises(CommandRejected, match="'no'") as refusal:
         do(room, who, move(("a", "no", "b"), 0.5))
     assert (refusal.value.code, refusal.value.path) == ("unknown", "$.names[1]")
-    moved = room.objects["b"].move()
+    moved = room.objects["b"].make_move()
     assert moved is not None
     assert moved.position[0] == 0.5
     with pytest.raises(CommandRejected):
@@ -169,7 +169,7 @@ def test_velocities_go_with_their_pose_and_time() -> None:
         velocities=pack(np.arange(12.0)),
     )  # fmt: skip
     carry_out(room, who, command, 41.5, 42.0, 100)
-    moved = room.objects["b"].move()
+    moved = room.objects["b"].make_move()
     assert moved is not None
     assert moved.velocity == (6.0, 7.0, 8.0)
     assert moved.angular_velocity == (9.0, 10.0, 11.0)
@@ -178,20 +178,20 @@ def test_velocities_go_with_their_pose_and_time() -> None:
 
 def test_hands_are_of_all_clients_with_names_of_their_own_and_felt_for_good() -> None:
     room, one, other = room_of(), client(1), client(2)
-    assert not room.all_hands().felt
+    assert not room.merge_hands().felt
     carry_out(room, one, hands(HandFrame(joints=JOINTS), sequence=5, time=1.0), 101.0, 101.5, 100)
     carry_out(
         room, other, hands(HandFrame(), HandFrame(side="left"), sequence=7, time=3.0), 99.0, 99.5, 1
     )
-    told = room.all_hands()
+    told = room.merge_hands()
     assert [hand.name for hand in told.hands] == ["right@1", "right@2", "left@2"]
     assert (told.input, told.sent, told.received) == (5, 1.0, 101.5)
     assert told.hands[0].time == 101.0
     assert told.hands[0].joints == JOINTS
     room.clear(one)
     room.clear(other)
-    assert room.all_hands().hands == ()
-    assert room.all_hands().felt  # without its tracker, objects are not rendered as a whole
+    assert room.merge_hands().hands == ()
+    assert room.merge_hands().felt  # without its tracker, objects are not rendered as a whole
 
 
 @pytest.mark.parametrize(
@@ -226,16 +226,16 @@ def test_quiet_zones_of_clients_come_to_those_of_the_installation() -> None:
     room, who = room_of(ours), client()
     do(room, who, quiet(Ball(position=(0.1, 0.0, 0.2), pressure=7.0)))
     always = (0.0, 0.1, 0.3), 5.0, 0.05
-    assert room.all_quiet().zones == (always, ((0.1, 0.0, 0.2), 7.0, 0.12)), "a head, by default"
+    assert room.merge_zones().zones == (always, ((0.1, 0.0, 0.2), 7.0, 0.12)), "a head, by default"
     do(room, who, quiet())
-    assert room.all_quiet().zones == (always,)
+    assert room.merge_zones().zones == (always,)
 
 
 def test_quiet_zones_of_a_scene_are_bounded() -> None:
     room, one, other = room_of(), client(1), client(2)
-    balls = [Ball(position=(0.0, 0.0, 0.1), pressure=1.0, radius=0.1)] * MAX_QUIET_ZONES
+    balls = [Ball(position=(0.0, 0.0, 0.1), pressure=1.0, radius=0.1)] * MAX_ZONES
     do(room, one, quiet(*balls))
-    with pytest.raises(CommandRejected, match=str(MAX_QUIET_ZONES)):
+    with pytest.raises(CommandRejected, match=str(MAX_ZONES)):
         do(room, other, quiet(*balls))
     do(room, one, quiet(*balls[3:]))
     do(room, other, quiet(*balls[:3]))

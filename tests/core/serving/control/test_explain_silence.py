@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
+from pacinian.serving.control import explain_silence
 from pacinian.serving.control.explain_silence import find_cause
+from pacinian.solving.solution_status import Status
 from pacinian.wire.silence_cause import CAUSES, Cause
 from pacinian.wire.state import ClientState, State
 
@@ -52,6 +54,8 @@ CASES: list[tuple[Cause, State, str]] = [
     ("out of the array's reach",
      state(hands=HAND, asked=ONE, achieved=ZERO, skipped={"samples hardly reached": 1}), "palm"),
     ("not ready", state(asked=ONE, achieved=ZERO, status="infeasible"), "quiet zones.*move them"),
+    ("fault", state(solver="mine", asked=ONE, achieved=ZERO, status="failed", skipped={"samples hardly reached": 1}),
+     'solver "mine" gives gains that are not finite: select another solver'),
     ("pause", state(hands=HAND, asked=ONE, achieved=ONE), "envelope"),
     ("pause", state(asked=ZERO, achieved=ZERO), "envelope"),
 ]  # fmt: skip
@@ -70,6 +74,10 @@ def test_all_causes_are_tried_here() -> None:
     """The list lacks only `too faint`, which the renderer finds, and the loss of the server, which the client finds."""
     assert {case[0] for case in CASES} | {"too faint"} == set(CAUSES)
     assert {*CAUSES, "not connected"} == set(get_args(Cause))
+
+
+def test_the_statuses_are_those_of_solves() -> None:
+    assert {explain_silence.INFEASIBLE, explain_silence.FAILED} <= set(Status.__members__)
 
 
 def test_what_sounds_has_no_cause() -> None:

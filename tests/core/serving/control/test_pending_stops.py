@@ -8,7 +8,7 @@ from typing import Any
 import msgspec
 
 from pacinian.client.emergency_stop import emergency_stop
-from pacinian.serving.control.pending_stops import MAX_SILENCING_TIME, PendingStops
+from pacinian.serving.control.pending_stops import MAX_CONFIRM_TIME, PendingStops
 from pacinian.serving.settings import Safety, Settings
 from pacinian.wire.control import Arm, Stop
 from pacinian.wire.replies import Error, Ok
@@ -25,7 +25,7 @@ class Told:
         self.sent: list[Any] = []
 
     def answer(self, silent: bool, now: float) -> None:
-        self.sent += self.stops.answer(silent, now, self.confirmed.extend)
+        self.sent += self.stops.confirm_and_take_replies(silent, now, self.confirmed.extend)
 
 
 def test_all_are_confirmed_once_it_is_silent_and_only_once() -> None:
@@ -58,7 +58,7 @@ def test_who_waits_too_long_is_told_to_switch_the_array_off() -> None:
     told = Told()
     told.stops.add_datagrams([(b"n", 1)], 0.0)
     told.stops.add_message(b"game", 7, 0.0)
-    told.answer(False, MAX_SILENCING_TIME + 0.01)
+    told.answer(False, MAX_CONFIRM_TIME + 0.01)
     ((peer, reply),) = told.sent
     assert (peer, reply.id, reply.code) == (b"game", 7, "fault")
     assert "switch it off" in reply.advice

@@ -52,7 +52,7 @@ sys.stdin.read()
 # requests
 
 
-def test_the_longest_selections_can_be_ordered_together(server: Any) -> None:
+def test_the_longest_selections_can_be_made_together(server: Any) -> None:
     """A restarted renderer receives all selections in one message."""
     wide = "\U0001f44b"
     options = {f"{n:02}{wide * 62}": wide * 200 for n in range(32)}

@@ -66,7 +66,7 @@ def test_a_second_hello_ends_the_first_session() -> None:
     old = desk.hello()
     old.arm()
     new = desk.hello()
-    assert desk.armed == 2, "softly"
+    assert desk.armed == 2, "it fades out"
     assert code(old.renew()) == "session"
     assert isinstance(new.renew(), Renewed)
     assert len(desk.sessions.all) == 1

@@ -21,9 +21,9 @@ from pacinian.serving.control.supervisor import (
     BACKOFF_RESET_TIME,
     MAX_FIRST_HEARTBEAT_TIME,
     MAX_RESTART_DELAY,
+    MAX_SOUNDING_START_TIME,
     MIN_RESTART_DELAY,
-    SLOW_START,
-    SOUNDING_START,
+    SLOW_START_TIME,
     Supervisor,
 )
 from pacinian.serving.ipc.hang_detection import (
@@ -47,12 +47,12 @@ LOOK = 0.02  # time between two checks [s]
 
 CHILD = """
 import sys, time, threading
-from pacinian.serving.ipc import child_process
+from pacinian.serving.ipc import parent_link
 from pacinian.serving.ipc.shared_memory import SharedRegister
 from pacinian.serving.ipc.messages import BusStatus, DeviceStatus, RendererStatus, pack
 from pacinian.wire.replies import Plugin
 ended = threading.Event()
-parent, name = child_process.Parent(), sys.argv[1]
+parent, name = parent_link.Parent(), sys.argv[1]
 told = parent.config
 if told.spare:
     parent.wait()
@@ -70,11 +70,11 @@ print("ended", name, flush=True)
 """
 PARENT = """
 import sys
-from pacinian.serving.ipc import child_process
+from pacinian.serving.ipc import launched_child
 from pacinian.serving.server import serve
 from pacinian.serving.settings import Log, Safety, Settings
 def start(name, told, pipe):
-    process = child_process.launch([sys.executable, "-c", sys.argv[2], name], told, pipe)
+    process = launched_child.start_command([sys.executable, "-c", sys.argv[2], name], told, pipe)
     name = "spare" if told.spare else name
     print("started", name, process.pid, told.folder, flush=True)
     return process
@@ -172,7 +172,7 @@ def test_one_that_ended_is_told_once_and_started_again_after_a_while() -> None:
     watch.newest("bus").code = 3
     assert watch.check() == [("bus", "ended with exit code 3")]
     assert watch.check() == []
-    assert not watch.supervisor.alive("bus", watch.clock.time)
+    assert not watch.supervisor.is_alive("bus", watch.clock.time)
     watch.clock.advance(MIN_RESTART_DELAY)
     assert watch.check() == []
     assert watch.newest("bus").code is None
@@ -478,7 +478,7 @@ def test_a_young_spare_that_takes_over_sound_has_not_long_to_begin() -> None:
     guard.code = -9
     watch.check(sound=True)
     beat = watch.clock.time - 1.0
-    assert watch.look(SOUNDING_START - 0.1, guard=beat) == []
+    assert watch.look(MAX_SOUNDING_START_TIME - 0.1, guard=beat) == []
     assert ("guard", "did not start, and was killed") in watch.look(0.3, guard=beat)
     assert spare.code is not None
 
@@ -523,7 +523,7 @@ def test_one_that_starts_has_more_time_and_an_old_sign_of_life_does_not_count() 
     watch = Watch()
     old = watch.clock.time - 1.0
     assert watch.look(MAX_FIRST_HEARTBEAT_TIME - 1.0, render=old) == []
-    assert not watch.supervisor.alive("render", old)
+    assert not watch.supervisor.is_alive("render", old)
     assert watch.look(1.1, render=old) == [("render", "did not start, and was killed")]
     assert watch.look(MIN_RESTART_DELAY + LOOK) == []
     new = watch.clock.time
@@ -552,16 +552,16 @@ def test_before_all_were_ready_an_end_names_the_plug_in() -> None:
 def test_the_log_names_a_process_that_starts_slowly_once(logged: Any) -> None:
     watch = Watch(plugins={"render": "the solver 'odd'"})
     watch.supervisor.trusted = False
-    watch.look(SLOW_START, render=0.0)
+    watch.look(SLOW_START_TIME, render=0.0)
     assert not logged.getvalue()
-    watch.look(3.0 * SLOW_START, render=0.0)
+    watch.look(3.0 * SLOW_START_TIME, render=0.0)
     flush()
     (line,) = logged.getvalue().splitlines()
     for part in ("a process starts slowly", "render", "the solver 'odd'", "limit='120 s'"):
         assert part in line
     watch.newest("render").code = 1
     watch.supervisor.trusted = True
-    watch.look(MIN_RESTART_DELAY + SLOW_START + 1.0, render=0.0)
+    watch.look(MIN_RESTART_DELAY + SLOW_START_TIME + 1.0, render=0.0)
     flush()
     assert len(logged.getvalue().splitlines()) == 2, "the process that replaces it is named, too"
 

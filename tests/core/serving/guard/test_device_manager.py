@@ -4,6 +4,8 @@ import math
 from collections.abc import Callable
 from typing import ClassVar
 
+import msgspec
+import numpy as np
 import pytest
 
 import pacinian as pc
@@ -16,7 +18,7 @@ from pacinian.serving.guard.device_manager import (
     DeviceManager,
 )
 from pacinian.serving.guard.output_gate import OutputGate
-from pacinian.serving.ipc.messages import SUPERSEDED, FrameHead, Permit, RequestedSettings
+from pacinian.serving.ipc.messages import SUPERSEDED, DeviceStatus, FrameHead, Permit, Selections
 from pacinian.testing import ManualClock
 from pacinian.wire.control import Choice
 
@@ -32,12 +34,14 @@ class Named(pc.Backend):
     def __init__(self, called: str, broken: set[str]) -> None:
         self.called, self.broken, self.log = called, broken, list[str]()
         self.rate = 1000.0
+        self.fields: dict[str, object] = {}  # of its capability
         self.opens: Callable[[], None] = lambda: None
 
     @property
     def capability(self) -> pc.Capability:
         made = pc.Capability()
-        object.__setattr__(made, "rate", self.rate)  # as a plug-in may set it
+        for name, value in {"rate": self.rate, **self.fields}.items():
+            object.__setattr__(made, name, value)  # as a plug-in may set it
         return made
 
     def _told(self, what: str) -> None:
@@ -69,6 +73,7 @@ class Bench:
         self.busy = 0  # number of further attempts to open that fail
         self.broken: dict[str, set[str]] = {}
         self.rates: dict[str, float] = {}
+        self.fields: dict[str, dict[str, object]] = {}
         self.made: list[Named] = []
         self.waiting: list[Callable[[], None]] = []
         self.threads = True  # whether threads can be started
@@ -79,6 +84,7 @@ class Bench:
     def make(self, choice: Choice | PluginConfig) -> pc.Backend:
         self.made.append(Named(choice.name, self.broken.get(choice.name, set())))
         self.made[-1].rate = self.rates.get(choice.name, 1000.0)
+        self.made[-1].fields = self.fields.get(choice.name, {})
         if self.busy:
             self.busy -= 1
             self.made[-1].broken = {"open"}
@@ -119,13 +125,13 @@ class Bench:
 @pytest.fixture
 def bench() -> Bench:
     made = Bench()
-    made.devices.begin(RequestedSettings())
+    made.devices.begin(Selections())
     made.run()
     return made
 
 
-def selected(number: int, name: str, reset: int = 0) -> RequestedSettings:
-    return RequestedSettings(backend=(number, Choice(name=name)), reset=reset)
+def selected(number: int, name: str, reset: int = 0) -> Selections:
+    return Selections(backend=(number, Choice(name=name)), reset=reset)
 
 
 def test_it_begins_as_configured(bench: Bench) -> None:
@@ -259,7 +265,7 @@ def test_a_device_whose_rate_the_loop_cannot_serve_is_refused(bench: Bench, rate
     bench.frame()
     assert bench.now == "a"
     assert bench.gate.sounding
-    assert "frames a tick" in bench.devices.results["backend 1"]
+    assert "rows a tick" in bench.devices.results["backend 1"]
     assert bench.made[1].log == ["close"]
 
 
@@ -268,7 +274,7 @@ def test_a_reset_opens_a_faulty_device_anew(bench: Bench) -> None:
     bench.made[0].broken.add("send")
     bench.frame()
     assert bench.gate.fault
-    bench.devices.follow(RequestedSettings(reset=1))
+    bench.devices.follow(Selections(reset=1))
     bench.frame()  # meanwhile there is no device
     bench.run()
     assert bench.made[0].log[-1] == "close"
@@ -284,11 +290,11 @@ def test_a_device_that_is_still_gone_stays_a_fault(bench: Bench) -> None:
     bench.broken["a"] |= {"open", "send", "silence", "close"}
     bench.frame()
     for k in (1, 2):
-        bench.devices.follow(RequestedSettings(reset=k))
+        bench.devices.follow(Selections(reset=k))
         bench.run()
         assert bench.gate.fault == bench.devices.results[f"reset {k}"] == "a: OSError: open failed"
     bench.broken["a"].clear()
-    bench.devices.follow(RequestedSettings(reset=3))
+    bench.devices.follow(Selections(reset=3))
     bench.run()
     assert not bench.gate.fault
     assert bench.now == "a"
@@ -296,7 +302,7 @@ def test_a_device_that_is_still_gone_stays_a_fault(bench: Bench) -> None:
 
 def test_a_reset_without_a_fault_leaves_the_device_alone(bench: Bench) -> None:
     bench.frame()
-    bench.devices.follow(RequestedSettings(reset=1))
+    bench.devices.follow(Selections(reset=1))
     bench.run()
     assert bench.gate.sounding
     assert bench.devices.results["reset 1"] == ""
@@ -325,7 +331,7 @@ def test_a_reset_gives_way_to_the_device_that_waits(bench: Bench) -> None:
 def test_a_first_device_that_does_not_open_is_a_fault() -> None:
     bench = Bench()
     bench.broken["a"] = {"open"}
-    bench.devices.begin(RequestedSettings())
+    bench.devices.begin(Selections())
     bench.run()
     assert "open failed" in bench.gate.fault
     bench.devices.follow(selected(1, "b"))
@@ -344,7 +350,7 @@ def fail_to_make(error: BaseException) -> Bench:
         raise error
 
     bench.devices._make = make
-    bench.devices.begin(RequestedSettings())
+    bench.devices.begin(Selections())
     bench.run()
     return bench
 
@@ -370,7 +376,7 @@ def test_options_that_no_device_accepts_are_told_from_a_device_that_is_absent(
 def test_an_array_that_does_not_fit_the_device_is_no_wrong_option() -> None:
     bench = Bench()
     bench.broken["a"] = {"open"}
-    bench.devices.begin(RequestedSettings())
+    bench.devices.begin(Selections())
     bench.run()
     assert bench.gate.fault
     assert not bench.devices.wrong_setting
@@ -390,14 +396,14 @@ def test_a_reason_names_its_device_once(text: str) -> None:
         raise pc.BackendError(text)
 
     bench.devices._make = make
-    bench.devices.begin(RequestedSettings())
+    bench.devices.begin(Selections())
     bench.run()
     assert bench.gate.fault == "a: gone"
 
 
 def test_results_do_not_grow(bench: Bench) -> None:
     for k in range(1, 3 * MAX_RESULTS):
-        bench.devices.follow(RequestedSettings(reset=k))
+        bench.devices.follow(Selections(reset=k))
     assert len(bench.devices.results) == MAX_RESULTS
     assert f"reset {3 * MAX_RESULTS - 1}" in bench.devices.results
 
@@ -407,9 +413,9 @@ def test_real_threads_open_a_real_plug_in() -> None:
     devices = DeviceManager(
         guard, ARRAY, Choice(name="simulated", options={"amplitudes": 32}), 1000.0
     )
-    devices.begin(RequestedSettings())
+    devices.begin(Selections())
     eventually(lambda: devices.poll() or guard.backend)
-    assert guard.device({}, ()).amplitudes == 32
+    assert guard.make_status({}, ()).amplitudes == 32
 
 
 def test_a_device_that_hangs_while_it_opens_is_given_up_and_others_can_be_selected(
@@ -458,13 +464,13 @@ def test_a_reset_whose_device_hangs_is_a_fault_until_the_next(bench: Bench) -> N
     bench.frame()
     bench.made[0].broken.add("send")
     bench.frame()
-    bench.devices.follow(RequestedSettings(reset=1))
+    bench.devices.follow(Selections(reset=1))
     bench.waiting.clear()  # opening hangs
     bench.clock.advance(1.1 * OPEN_TIMEOUT)
     bench.devices.poll()
     assert "not open within" in bench.devices.results["reset 1"]
     assert "not open within" in bench.gate.fault
-    bench.devices.follow(RequestedSettings(reset=2))
+    bench.devices.follow(Selections(reset=2))
     bench.run()
     assert bench.devices.results["reset 2"] == ""
     assert not bench.gate.fault
@@ -492,7 +498,7 @@ def test_those_that_hang_are_only_so_many(bench: Bench) -> None:
 def test_where_no_more_threads_are_permitted_a_device_opens_while_none_sounds() -> None:
     bench = Bench()
     bench.threads = False
-    bench.devices.begin(RequestedSettings(), PluginConfig("c"))
+    bench.devices.begin(Selections(), PluginConfig("c"))
     bench.run()
     assert [device.log for device in bench.made] == [["open", "close"], ["open"]]
     assert (bench.now, bench.devices.results) == ("a", {"backend 0": ""})
@@ -512,13 +518,13 @@ def test_where_no_more_threads_are_permitted_a_device_opens_while_none_sounds() 
 def test_a_guard_that_takes_over_opens_again_until_the_device_lets_it() -> None:
     bench = Bench()
     bench.busy = 3
-    bench.devices.begin(RequestedSettings(), PluginConfig("a"))
+    bench.devices.begin(Selections(), PluginConfig("a"))
     bench.run()
     assert bench.now == "a"
     assert [made.log for made in bench.made] == [["open", "close"]] * 3 + [["open"]]
     bench = Bench()
     bench.broken["a"] = {"open"}
-    bench.devices.begin(RequestedSettings(), PluginConfig("a"))
+    bench.devices.begin(Selections(), PluginConfig("a"))
     bench.run()
     assert "open failed" in bench.gate.fault
     assert 2 <= len(bench.made) <= RETRY_TIME / 0.005, "for a bounded time"
@@ -540,16 +546,16 @@ def test_what_another_guard_left_sounding_is_silenced_before_another_device_is_o
 def test_a_guard_that_takes_over_knows_the_device_by_the_owners_options_too() -> None:
     configured = PluginConfig("a", {"port": "usb-1"})
     first, spare = Bench(configured), Bench(configured)
-    first.devices.begin(RequestedSettings())
+    first.devices.begin(Selections())
     first.run()
     assert first.devices.choice == configured
-    orders = RequestedSettings(backend=(1, Choice(name="a", options={"phases": 8})))
-    first.devices.follow(orders)
+    selections = Selections(backend=(1, Choice(name="a", options={"phases": 8})))
+    first.devices.follow(selections)
     first.run()
     first.frame()
     whole = PluginConfig("a", {"port": "usb-1", "phases": 8})
     assert first.devices.choice == whole
-    spare.devices.begin(orders, first.devices.choice)
+    spare.devices.begin(selections, first.devices.choice)
     spare.run()
     assert [made.log for made in spare.made] == [["open"]], "the same device is opened once"
     assert spare.devices.choice == whole
@@ -557,3 +563,78 @@ def test_a_guard_that_takes_over_knows_the_device_by_the_owners_options_too() ->
     first.run()
     first.frame()
     assert first.devices.choice == PluginConfig("b"), "which the owner's options are not for"
+
+
+@pytest.mark.parametrize(("field", "value"), [("watchdog", "x"), ("watchdog", -1.0), ("phases", 1)])
+def test_a_capability_that_no_device_has_is_refused(
+    bench: Bench, field: str, value: object
+) -> None:
+    """The guard reports the capability to other processes, and to the guard that replaces it."""
+    bench.fields["b"] = {field: value}
+    bench.frame()
+    bench.devices.follow(selected(1, "b"))
+    bench.run()
+    bench.frame()
+    assert bench.now == "a"
+    assert bench.gate.sounding
+    assert f"`{field}` must be" in bench.devices.results["backend 1"]
+    assert bench.made[1].log == ["close"]
+
+
+def test_a_capability_of_other_numeric_types_is_reported_in_plain_numbers(bench: Bench) -> None:
+    bench.fields["b"] = {"rate": np.float32(2000.0), "watchdog": np.float32(0.5)}
+    bench.devices.follow(selected(1, "b"))
+    bench.run()
+    told = msgspec.msgpack.encode(bench.gate.make_status({}, ()))
+    assert msgspec.msgpack.decode(told, type=DeviceStatus).capability == pc.Capability(
+        rate=2000.0, watchdog=0.5
+    )
+
+
+def test_what_is_no_capability_is_refused(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Named, "capability", None)
+    bench.devices.follow(selected(1, "b"))
+    bench.run()
+    assert "must be a Capability, not None" in bench.devices.results["backend 1"]
+    assert bench.now == "a"
+
+
+def test_a_backend_that_exits_in_close_hides_no_error_of_open(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def bad(self: Named) -> None:
+        raise SystemExit(3)
+
+    monkeypatch.setattr(Named, "close", bad)
+    bench.broken["b"] = {"open"}
+    bench.devices.follow(selected(1, "b"))
+    bench.run()
+    assert bench.devices.results["backend 1"] == "b: OSError: open failed"
+    assert bench.now == "a"
+
+
+def test_a_name_that_an_instance_spoils_does_not_spoil_the_status(bench: Bench) -> None:
+    object.__setattr__(bench.made[0], "name", 5)
+    assert bench.gate.make_status({}, ()).name == "named"
+
+
+def test_after_a_fault_an_empty_frame_lets_the_next_device_take_over(bench: Bench) -> None:
+    """A halted renderer sends such a frame. The fault stays until a reset."""
+    bench.frame()
+    bench.made[0].broken |= {"send", "silence", "close"}
+    bench.frame()
+    fault = bench.gate.fault
+    assert fault
+    bench.devices.follow(selected(1, "b"))
+    bench.run()
+    assert bench.now == "a"
+    head = FrameHead(2, 0.0, 1, bench.gate.next_generation, 0, N).pack()
+    assert bench.gate.step(Permit(1, 1.0, 1, 0), head)
+    bench.run()
+    assert bench.now == "b"
+    assert bench.devices.results["backend 1"] == ""
+    assert bench.gate.fault == fault
+    bench.devices.follow(selected(1, "b", reset=1))
+    bench.run()
+    bench.frame()
+    assert bench.gate.sounding

@@ -22,7 +22,7 @@ from pacinian.serving.ipc.messages import (
     DeviceStatus,
     FrameHead,
     Permit,
-    RequestedSettings,
+    Selections,
     compute_frame_capacity,
     open_wakes,
     pack,
@@ -122,7 +122,7 @@ class Bench:
 
     @property
     def status(self) -> DeviceStatus:
-        return self.gate.device({}, ())
+        return self.gate.make_status({}, ())
 
 
 def test_a_frame_is_let_through_once() -> None:
@@ -483,10 +483,10 @@ def test_generations_go_on_after_a_restart() -> None:
     last = Bench().status
     guard = OutputGate(N, gain=1.0, frame_timeout=STALE)
     guard.replace(msgspec.structs.replace(last, generation=7, sounding=True))
-    assert (guard.device({}, ()).generation, guard.sounding) == (0, True)
+    assert (guard.make_status({}, ()).generation, guard.sounding) == (0, True)
     backend = Recorded(ManualClock())
     guard.take(backend, backend.can)
-    assert (guard.device({}, ()).generation, guard.sounding) == (8, False)
+    assert (guard.make_status({}, ()).generation, guard.sounding) == (8, False)
 
 
 @given(
@@ -614,7 +614,7 @@ def memory(tmp_path: Path) -> Iterator[dict[str, SharedRegister]]:
     sizes = {**CAPACITIES, "frame": compute_frame_capacity(len(SIMULATED.array.make()))}
     files = {
         name: SharedRegister.create(tmp_path / name, sizes[name], open_wakes(tmp_path / name))
-        for name in ("permit", "frame", "requested_settings", "device")
+        for name in ("permit", "frame", "selections", "device")
     }
     yield files
     for file in files.values():
@@ -693,7 +693,7 @@ def test_a_frame_ends_its_wait_and_so_does_the_time_when_there_must_be_silence(
 def test_without_a_permit_it_rests_until_a_permit_or_orders_wake_it(
     memory: dict[str, SharedRegister], tmp_path: Path
 ) -> None:
-    """Permit and orders come before or during a wait. If they did not end the wait, this test would hang."""
+    """A permit and a selection come before or during a wait. If they did not end the wait, this test would hang."""
     with GuardLoop(tmp_path, SIMULATED) as rounds:
         rounds.backends = ()
         open_device(rounds)
@@ -704,8 +704,8 @@ def test_without_a_permit_it_rests_until_a_permit_or_orders_wake_it(
         memory["permit"].write(FOREVER._replace(armed=0).pack())
         assert rounds.run_round() == REST_REPORT_INTERVAL
         rounds.wait(1e4)
-        orders = pack(RequestedSettings(backend=(1, Selected(name="simulated"))))
-        threading.Timer(0.01, memory["requested_settings"].write, [orders]).start()
+        selections = pack(Selections(backend=(1, Selected(name="simulated"))))
+        threading.Timer(0.01, memory["selections"].write, [selections]).start()
         rounds.wait(1e4)
 
         def follow() -> None:
@@ -793,3 +793,35 @@ def test_at_the_end_all_devices_are_closed_even_if_it_cannot_be_told(
             rounds.gate.take(backend, backend.can)
         rounds.gate.to_close.append(backends[2])
     assert [backend.what[-1] for backend in backends] == ["close"] * 3
+
+
+@pytest.mark.parametrize("read_before", [False, True])
+def test_a_guard_takes_over_from_one_whose_status_cannot_be_read(
+    memory: dict[str, SharedRegister], tmp_path: Path, read_before: bool
+) -> None:
+    """Its device gets a generation that no earlier one had. read_before: by this guard, as a spare."""
+    told = OutputGate(N, gain=1.0, frame_timeout=STALE).make_status({}, ())
+    for watchdog in (None, "x"):
+        status = msgspec.structs.replace(told, generation=1, watchdog=watchdog, sounding=True)
+        memory["device"].write(pack(status))
+    rounds = GuardLoop(tmp_path, SIMULATED)
+    if read_before:
+        assert rounds.read_heartbeat() == (0.0, False)
+    with rounds:
+        assert rounds.backends is None, "they are listed again"
+        assert not rounds.first
+        assert rounds.gate.sounding, "the device of the other guard may sound"
+        open_device(rounds)
+        assert rounds.gate.generation == 3
+        assert not rounds.gate.sounding
+
+
+def test_at_the_end_all_devices_are_closed_even_if_one_exits(
+    memory: dict[str, SharedRegister], tmp_path: Path
+) -> None:
+    backends = [Recorded(ManualClock()) for _ in range(2)]
+    backends[0].raises["close"] = SystemExit(3)
+    with GuardLoop(tmp_path, SIMULATED) as rounds:
+        for backend in backends:
+            rounds.gate.take(backend, backend.can)
+    assert [backend.what[-1] for backend in backends] == ["close"] * 2

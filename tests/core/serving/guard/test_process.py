@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import msgspec
 import pytest
 
-from pacinian.serving.ipc import child_process
+from pacinian.serving.ipc import launched_child
 from pacinian.serving.ipc.messages import (
-    RequestedSettings,
+    Selections,
     pack,
 )
 from pacinian.wire.control import Choice as Selected
@@ -28,9 +28,9 @@ __all__ = ["log"]
 PARENT = """
 import sys, time
 import msgspec
-from pacinian.serving.ipc import child_process
-told = msgspec.json.decode(sys.argv[1], type=child_process.LaunchConfig)
-print(child_process.start("guard", told).pid, flush=True)
+from pacinian.serving.ipc import launch_config, launched_child
+told = msgspec.json.decode(sys.argv[1], type=launch_config.LaunchConfig)
+print(launched_child.start_child("guard", told).pid, flush=True)
 time.sleep(600)
 """
 
@@ -42,7 +42,7 @@ def server() -> Iterator[Server]:
     made.close()
 
 
-def ended(process: child_process.Process) -> int:
+def ended(process: launched_child.LaunchedChild) -> int:
     status = process.wait(PATIENCE)
     process.close()
     return status
@@ -61,9 +61,7 @@ def test_a_guard_from_its_start_to_its_end(server: Server, log: Path) -> None:
 
     # another device, while the old one continues
     server.sound()
-    server.memory["requested_settings"].write(
-        pack(RequestedSettings(backend=(1, Selected(name="logged"))))
-    )
+    server.memory["selections"].write(pack(Selections(backend=(1, Selected(name="logged")))))
     after = server.until(lambda device: "backend 1" in device.results, server.frame)
     assert after.results["backend 1"] == ""
     assert (after.name, after.amplitudes) == ("logged", 64)
@@ -71,15 +69,13 @@ def test_a_guard_from_its_start_to_its_end(server: Server, log: Path) -> None:
     server.sound()
 
     # an unknown device
-    server.memory["requested_settings"].write(
-        pack(RequestedSettings(backend=(2, Selected(name="no such one"))))
-    )
+    server.memory["selections"].write(pack(Selections(backend=(2, Selected(name="no such one")))))
     after = server.until(lambda device: "backend 2" in device.results, server.frame)
     assert "no backend is called" in after.results["backend 2"]
     server.sound()
     assert not after.fault
 
-    assert child_process.end(process, PATIENCE) == 0
+    assert launched_child.end_child(process, PATIENCE) == 0
     said = log.read_text().split()
     assert said[0] == "open"
     assert said[-2:] == ["silence", "close"]
@@ -141,6 +137,6 @@ def test_a_device_that_may_sound_and_does_not_close_takes_the_guard_with_it(
     server.until(lambda device: device.generation > 0)
     server.permit()
     server.until(lambda device: device.fault, server.frame)
-    server.memory["requested_settings"].write(pack(RequestedSettings(reset=1)))
+    server.memory["selections"].write(pack(Selections(reset=1)))
     assert ended(process) == -signal.SIGALRM
     assert log.read_text().split()[-2:] == ["silence", "close"]

@@ -15,7 +15,7 @@ from msgspec.structs import replace
 from pacinian.scene.config_sections import PluginConfig
 from pacinian.serving.guard.spare_guard import CHECK_INTERVAL
 from pacinian.serving.ipc.hang_detection import MAX_CHECK_GAP, HangDetector
-from pacinian.serving.ipc.messages import DeviceStatus, RequestedSettings, pack
+from pacinian.serving.ipc.messages import DeviceStatus, Selections, pack
 from pacinian.wire.control import Choice as Selected
 
 from ....waiting import eventually
@@ -25,7 +25,7 @@ from ..processes import runs
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from pacinian.serving.ipc import child_process
+    from pacinian.serving.ipc import launch_config, launched_child
 
 __all__ = ["log"]
 
@@ -40,12 +40,12 @@ LIMIT = 0.25  # time without a heartbeat after which a guard is hung [s]
 
 def looked(seconds: float, sound: bool, every: float = CHECK_INTERVAL) -> float:
     """Return the time after which a guard without a heartbeat is reported as hung [s]; `seconds` if it is not."""
-    pulse, now = HangDetector(LIMIT), 100.0
-    assert not pulse.detect_hang(now, sound, now)
+    detector, now = HangDetector(LIMIT), 100.0
+    assert not detector.detect_hang(now, sound, now)
     beat, since = now, now
     while now < since + seconds:
         now += every
-        if pulse.detect_hang(beat, sound, now):
+        if detector.detect_hang(beat, sound, now):
             return now - since
     return seconds
 
@@ -56,9 +56,9 @@ def test_a_guard_without_a_sign_of_life_is_missed_while_there_may_be_sound() -> 
 
 
 def test_one_that_lives_is_not_missed() -> None:
-    pulse = HangDetector(LIMIT)
+    detector = HangDetector(LIMIT)
     assert not any(
-        pulse.detect_hang(0.2 * (k // 10), True, CHECK_INTERVAL * k) for k in range(1000)
+        detector.detect_hang(0.2 * (k // 10), True, CHECK_INTERVAL * k) for k in range(1000)
     )
 
 
@@ -78,8 +78,8 @@ def server() -> Iterator[Server]:
 
 
 def begin(
-    server: Server, told: child_process.LaunchConfig
-) -> tuple[child_process.Process, child_process.Process, DeviceStatus]:
+    server: Server, told: launch_config.LaunchConfig
+) -> tuple[launched_child.LaunchedChild, launched_child.LaunchedChild, DeviceStatus]:
     """Start a guard and a spare. Return both, and the device's status, once it sounds and the spare waits."""
     guard = server.start(told)
     server.sound()
@@ -129,9 +129,7 @@ def test_a_spare_first_silences_what_sounded_though_another_was_selected(
     guard, _, before = begin(server, told)
     assert before.choice == PluginConfig("logged", {"log": str(log), "does": ""})
     os.kill(guard.pid, signal.SIGSTOP)  # so that it does not see the selection
-    server.memory["requested_settings"].write(
-        pack(RequestedSettings(backend=(1, Selected(name="simulated"))))
-    )
+    server.memory["selections"].write(pack(Selections(backend=(1, Selected(name="simulated")))))
     os.kill(guard.pid, signal.SIGKILL)
     after = server.until(lambda device: device.generation > before.generation)
     assert after.name == "simulated"

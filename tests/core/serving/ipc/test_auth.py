@@ -104,7 +104,7 @@ def test_the_allow_list_is_read_again_when_it_changes(tmp_path: Path) -> None:
         public, _ = make_key_pair(tmp_path, "tablet")
         key = load_certificate(public)[0]
         assert gate.callback("", key)
-        assert gate.name(key.decode()) == "tablet"
+        assert gate.name_user(key.decode()) == "tablet"
         (tmp_path / "clients" / "broken.key").write_text("nothing")
         (tmp_path / "clients" / "folder.key").mkdir()
         if os.name == "posix":
@@ -113,8 +113,8 @@ def test_the_allow_list_is_read_again_when_it_changes(tmp_path: Path) -> None:
         assert not gate.callback("", b"")
         public.unlink()
         assert not gate.callback("", key)
-        assert len(gate.unknown()) == 3
-        assert gate.unknown() == []
+        assert len(gate.take_unknown_keys()) == 3
+        assert gate.take_unknown_keys() == []
 
 
 def test_a_connection_file_for_another_machine(tmp_path: Path) -> None:

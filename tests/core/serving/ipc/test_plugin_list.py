@@ -51,8 +51,8 @@ def test_a_plug_in_that_does_not_come_back_from_its_import_is_named_and_holds_no
     monkeypatch.syspath_prepend(tmp_path)
     plugins = Plugins([EntryPoint("snail", "slow_to_import", "pacinian")])
     monkeypatch.setattr(registry, "discover_plugins", lambda: plugins)
-    monkeypatch.setattr(plugin_list, "PATIENCE", 0.01)
-    monkeypatch.setattr(plugin_list, "SELECTING", 0.01)
+    monkeypatch.setattr(plugin_list, "MAX_LISTING_TIME", 0.01)
+    monkeypatch.setattr(plugin_list, "MAX_IMPORT_WAIT", 0.01)
     found: list[tuple[Plugin, ...]] = []
     try:
         plugin_list.publish_offers("solver", found.append)

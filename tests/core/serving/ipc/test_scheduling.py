@@ -217,8 +217,8 @@ def refused(*_):
     raise PermissionError
 
 before, os.sched_setscheduler = os.sched_getaffinity(0), refused
-print(scheduling.use_realtime_class() == scheduling.ANY, os.sched_getaffinity(0) == before)
-scheduling.avoid_cores(scheduling.ANY)
+print(scheduling.use_realtime_class() == scheduling.ANY_CORE, os.sched_getaffinity(0) == before)
+scheduling.avoid_cores(scheduling.ANY_CORE)
 print(os.sched_getaffinity(0) == before)
 """
     assert told(code) == ["True"] * 3
@@ -231,7 +231,7 @@ only = max(os.sched_getaffinity(0))
 os.sched_setaffinity(0, {only})
 import importlib
 importlib.reload(scheduling)
-print(scheduling.use_realtime_class() == scheduling.ANY)
+print(scheduling.use_realtime_class() == scheduling.ANY_CORE)
 scheduling.avoid_cores(only)
 print(os.sched_getaffinity(0) == {only})
 """

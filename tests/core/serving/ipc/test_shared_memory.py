@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pacinian.errors import ServerError
-from pacinian.serving.ipc.shared_memory import LOCK, SLOTS, SharedRegister, folder, remove
+from pacinian.serving.ipc.shared_memory import LOCK, SLOTS, SharedRegister, open_folder, remove
 
 from ....waiting import PATIENCE, eventually
 
@@ -38,7 +38,7 @@ LIFE = 500  # number of values read, after which the writer is killed
 
 @pytest.fixture
 def place() -> Iterator[Path]:
-    with folder() as made:
+    with open_folder() as made:
         yield made
 
 
@@ -94,7 +94,7 @@ def mortal(path: Path, lives: int) -> tuple[SharedRegister, SharedRegister]:
 @given(st.lists(st.lists(st.binary(max_size=40), max_size=3), max_size=12), st.integers(1, 120))
 def test_the_newest_value_is_read_whole_and_once(values: list[list[bytes]], capacity: int) -> None:
     with (
-        folder() as place,
+        open_folder() as place,
         SharedRegister.create(place / "value", capacity) as writer,
         SharedRegister.attach(place / "value") as reader,
     ):
@@ -178,7 +178,7 @@ def test_a_value_is_bound_to_its_number(place: Path) -> None:
     with SharedRegister.create(place / "value", 16) as memory:
         memory.write(b"old")
         memory.write(b"new")
-        old, new = memory._place(1)[0], memory._place(2)[0]
+        old, new = memory._find_place(1)[0], memory._find_place(2)[0]
         memory._words[old + 1 : old + 4] = memory._words[new + 1 : new + 4]
         memory._words[2] = 1
         assert memory.read() is None
@@ -251,8 +251,8 @@ def test_a_writer_killed_again_and_again_never_harms_its_reader(place: Path, dea
 
 MAKER = """
 import sys
-from pacinian.serving.ipc.shared_memory import SharedRegister, folder
-with folder() as made, SharedRegister.create(made / "value", 1000):
+from pacinian.serving.ipc.shared_memory import SharedRegister, open_folder
+with open_folder() as made, SharedRegister.create(made / "value", 1000):
     print(made, flush=True)
     sys.stdin.read()
 """
@@ -278,7 +278,7 @@ def test_what_a_killed_process_has_left_is_removed_with_the_next_start_and_nothi
     maker: tuple[subprocess.Popen[str], Path],
 ) -> None:
     process, place = maker
-    with folder():
+    with open_folder():
         assert (place / "value").exists(), "its maker lives"
     process.kill()
     process.wait()
@@ -286,7 +286,7 @@ def test_what_a_killed_process_has_left_is_removed_with_the_next_start_and_nothi
     lying = place.with_name(f"{place.name}x")
     lying.mkdir()  # without a lock, so perhaps of another program
     try:
-        with folder() as own:
+        with open_folder() as own:
             assert beside(place) == {lying}
             assert own.is_dir()
         assert not beside(own)
@@ -307,14 +307,14 @@ def test_a_link_is_not_followed_and_what_another_user_owns_is_left(
         links[0].symlink_to(tmp_path)
         links[1].symlink_to(tmp_path / "precious")
         monkeypatch.setattr(os, "getuid", lambda: 4321)
-        with folder():
+        with open_folder():
             assert len(beside(place)) == 4, "it is of another user"
         monkeypatch.undo()
-        with folder():
+        with open_folder():
             assert beside(place) == set(links)
         links[1].unlink()
         links[1].touch()
-        with folder():
+        with open_folder():
             assert beside(place) == {links[0]}, "the lock is ours, the folder is a link"
         assert (tmp_path / "precious").exists()
     finally:
@@ -341,11 +341,11 @@ def test_a_folder_that_cannot_be_removed_keeps_its_lock_so_that_a_later_start_re
 ) -> None:
     with monkeypatch.context() as patch:
         patch.setattr("pacinian.serving.ipc.shared_memory.shutil.rmtree", lambda *_, **__: None)
-        with folder() as place:
+        with open_folder() as place:
             pass
         remove(place)
         assert len(beside(place)) == 2, "the folder and its lock"
-    with folder():
+    with open_folder():
         assert not beside(place)
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from pacinian.serving.ipc.wake_pipe import BYTES, POLL_INTERVAL, WakePipe
+from pacinian.serving.ipc.wake_pipe import POLL_INTERVAL, READ_BYTES, WakePipe
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -37,7 +37,7 @@ def test_a_wait_ends_when_another_wakes_it_before_or_during_it(tmp_path: Path) -
 
 def test_who_wakes_never_waits_and_a_wait_takes_all_wakes_before_it(tmp_path: Path) -> None:
     pipe = WakePipe(tmp_path / "a")
-    for _ in range(2 * BYTES):
+    for _ in range(2 * READ_BYTES):
         pipe.wake()
     pipe.wait(HANGS, never)
     pipe.wait(0.0, never)

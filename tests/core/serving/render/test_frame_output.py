@@ -63,7 +63,7 @@ def frame(sequence: int = 7, rows: int = 2) -> pc.Frame:
 
 
 def test_a_frame_arrives_with_all_that_the_guard_looks_at(wired: Wired) -> None:
-    output = wired.outputs.first()
+    output = wired.outputs.make_first()
     assert output.capability == pc.Capability(16, 32, 2000.0, 0.1)
     output.open(ARRAY)
     wired.files["permit"].write(Permit(1, 9.0, 42).pack())
@@ -83,13 +83,13 @@ def test_amplitudes_that_are_not_even_arrive_with_the_device(wired: Wired, count
     can = pc.Capability(16, tuple((np.linspace(0.0, 1.0, count) ** 0.8).tolist()), 2000.0, 0.1)
     guard = OutputGate(N, gain=1.0, frame_timeout=0.1)
     guard.take(pc.backend("simulated"), can)
-    wired.set(guard.device({}, ()))
+    wired.set(guard.make_status({}, ()))
     assert wired.device.value.amplitudes == count
-    assert wired.outputs.first().capability == can
+    assert wired.outputs.make_first().capability == can
 
 
 def test_a_fault_of_the_device_is_raised_and_silence_has_no_rows(wired: Wired) -> None:
-    output = wired.outputs.first()
+    output = wired.outputs.make_first()
     output.open(ARRAY)
     wired.set(msgspec.structs.replace(GOOD, fault="it burns"))
     with pytest.raises(pc.BackendError, match="it burns"):
@@ -105,7 +105,7 @@ def renderer(wired: Wired, output: SharedFrameBackend) -> pc.Renderer:
 
 
 def test_the_loop_makes_frames_for_the_next_device_and_goes_back(wired: Wired) -> None:
-    with renderer(wired, wired.outputs.first()) as loop:
+    with renderer(wired, wired.outputs.make_first()) as loop:
         loop.tick()
         for device, generation, rows in (
             (msgspec.structs.replace(GOOD, next_generation=4, rate=4000.0, phases=256), 4, 4),
@@ -126,10 +126,10 @@ def test_the_loop_makes_frames_for_the_next_device_and_goes_back(wired: Wired) -
 def test_a_device_that_does_not_fit_the_loop_is_refused_and_the_old_one_goes_on(
     wired: Wired, rate: float
 ) -> None:
-    with renderer(wired, wired.outputs.first()) as loop:
+    with renderer(wired, wired.outputs.make_first()) as loop:
         wired.set(msgspec.structs.replace(GOOD, next_generation=4, rate=rate))
         results = wired.outputs.follow(loop)
-        assert "frames a tick" in results["device 4"]
+        assert "rows a tick" in results["device 4"]
         assert wired.outputs.follow(loop) == {}
         loop.tick()
         assert wired.read()[0].device == 3
@@ -138,7 +138,7 @@ def test_a_device_that_does_not_fit_the_loop_is_refused_and_the_old_one_goes_on(
 def test_without_a_device_the_loop_waits_for_one(wired: Wired) -> None:
     none: Any = msgspec.structs.replace(GOOD, generation=0, fault="not plugged in")
     wired.set(none)
-    with renderer(wired, wired.outputs.first()) as loop:
+    with renderer(wired, wired.outputs.make_first()) as loop:
         loop.tick()
         assert loop.halted is not None
         assert "not plugged in" in loop.halted.message
@@ -147,3 +147,40 @@ def test_without_a_device_the_loop_waits_for_one(wired: Wired) -> None:
         loop.reset()
         loop.tick()
         assert wired.read()[0].device == 3
+
+
+def test_a_halted_loop_writes_empty_frames_until_the_next_device_has_taken_over(
+    wired: Wired,
+) -> None:
+    with renderer(wired, wired.outputs.make_first()) as loop:
+        loop.tick()
+        wired.set(msgspec.structs.replace(GOOD, fault="gone"))
+        loop.tick()
+        assert loop.halted is not None
+        before = wired.files["frame"].number
+        assert wired.outputs.follow(loop) == {}
+        assert wired.files["frame"].number == before
+        for count in (1, 2):
+            wired.set(msgspec.structs.replace(GOOD, fault="gone", next_generation=4))
+            assert wired.outputs.follow(loop) == {}
+            assert wired.files["frame"].number == before + count
+            head, levels = wired.read()
+            assert (head.device, head.rows, levels) == (4, 0, b"")
+        wired.set(msgspec.structs.replace(GOOD, fault="gone", generation=4))
+        assert wired.outputs.follow(loop) == {}
+        assert wired.files["frame"].number == before + 2
+        wired.set(msgspec.structs.replace(GOOD, generation=4))
+        loop.reset()
+        loop.tick()
+        assert wired.read()[0].device == 4
+        assert wired.read()[0].rows
+
+
+def test_a_halted_loop_writes_no_frame_for_a_device_that_does_not_fit(wired: Wired) -> None:
+    with renderer(wired, wired.outputs.make_first()) as loop:
+        wired.set(msgspec.structs.replace(GOOD, fault="gone"))
+        loop.tick()
+        before = wired.files["frame"].number
+        wired.set(msgspec.structs.replace(GOOD, next_generation=4, rate=500.0))
+        assert "rows a tick" in wired.outputs.follow(loop)["device 4"]
+        assert wired.files["frame"].number == before

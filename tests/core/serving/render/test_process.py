@@ -1,5 +1,6 @@
 """The render process: its loop on a manual clock, then a real process."""
 
+import math
 import os
 import signal
 from collections.abc import Callable, Iterator
@@ -14,7 +15,8 @@ import pacinian as pc
 from pacinian.plugins import registry
 from pacinian.plugins.registry import Offer
 from pacinian.scene.config_sections import Units
-from pacinian.serving.ipc import child_process, messages
+from pacinian.serving.control.explain_silence import find_cause
+from pacinian.serving.ipc import launch_config, launched_child, messages, parent_link
 from pacinian.serving.ipc.messages import (
     AnyChange,
     Changes,
@@ -26,21 +28,22 @@ from pacinian.serving.ipc.messages import (
     PutObject,
     RemoveObject,
     RendererStatus,
-    RequestedSettings,
     ResetScene,
+    Selections,
     SetHands,
     SetQuiet,
 )
 from pacinian.serving.ipc.shared_memory import SharedRegister
 from pacinian.serving.render import process
 from pacinian.serving.render.background_loader import BackgroundLoader
-from pacinian.serving.render.render_loop import EARLY, FILES, RenderLoop
+from pacinian.serving.render.render_loop import FADE_LEAD, FILES, RenderLoop
 from pacinian.serving.render.solver_switcher import SolverSwitcher, make_solver
 from pacinian.serving.settings import Safety, Settings, Zone
 from pacinian.testing import ManualClock
 from pacinian.wire.control import Choice
 from pacinian.wire.modulation import AM, STM
 from pacinian.wire.shapes import Polyline
+from pacinian.wire.state import ClientState, State
 
 from ....waiting import PATIENCE, eventually
 from ...rendering.manual_background import solve_beside
@@ -57,12 +60,13 @@ class Moody(pc.Solver):
 
     name: ClassVar[str] = "moody"
     mood: ClassVar[Callable[[], object]] = staticmethod(lambda: None)
+    gain: ClassVar[float] = 0.5
 
     def solve(
         self, propagator: Any, targets: Any, limits: Any, warm: Any, budget: Any, out: Any
     ) -> pc.Result:
         Moody.mood()
-        out[:] = 0.5
+        out[:] = Moody.gain
         return pc.Result()
 
 
@@ -189,7 +193,7 @@ def test_what_an_earlier_permit_began_is_not_heard_under_a_later_one(
     server.files["permit"].write(Permit(1, 1e9, 1).pack())
     server.tick(10)
     assert server.sounds
-    server.loop.renderer.schedule.beside = beside
+    server.loop.renderer.schedule.in_background = beside
     server.put(pc.Point(position=(0.02, 0.0, 0.15), radiation_pressure=5.0))
     server.tick(2)
     assert server.sounds
@@ -218,12 +222,12 @@ def test_it_rests_in_silence_without_a_permit_until_there_is_something_to_do(
     assert not loop.rests  # nothing has been sent yet
     noise = pc.Noise(low_frequency=50.0, high_frequency=200.0)
     slow = msgspec.structs.replace(POINT, envelope=noise)
-    orders = RequestedSettings(solver=(1, Choice(name="gs-pat")))
+    selections = Selections(solver=(1, Choice(name="gs-pat")))
     rouse: dict[str, Callable[[], object]] = {
         "a change": server.put,
         "a permit": server.arm,
         "a slow object": lambda: server.put(slow),
-        "a solver": lambda: server.tell("requested_settings", orders),
+        "a solver": lambda: server.tell("selections", selections),
         "a device": lambda: server.tell(
             "device", msgspec.structs.replace(server.device, next_generation=2)
         ),
@@ -298,7 +302,7 @@ def test_the_input_is_of_the_hands_that_are_played(server: Server) -> None:
         head = server.frame[0]
         assert (head.sent, head.received) == pytest.approx((0.1 * head.input, 0.2 * head.input))
         played.append(head.input)
-    # from the fifth on, solves run beside the ticks: each begins in one tick and is sent two ticks later
+    # from the fifth on, solves run in the background: each begins in one tick and is sent two ticks later
     assert played == [1, 2, 3, 4, 4, 4, 5, 5]
 
 
@@ -334,7 +338,7 @@ def test_damaged_changes_are_told_and_the_others_done(server: Server) -> None:
     assert server.taken.number == 1
     assert server.report.refused == {"": "2 changes were damaged"}
     server.files["changes"].write(b"\xc1")
-    server.files["requested_settings"].write(b"\xc1")
+    server.files["selections"].write(b"\xc1")
     server.tick(2)
     assert "Malformed" in server.report.refused[""] or "malformed" in server.report.refused[""]
     assert server.loop.renderer.halted is None
@@ -343,8 +347,8 @@ def test_damaged_changes_are_told_and_the_others_done(server: Server) -> None:
 def test_technique_and_intensity_are_ordered(server: Server) -> None:
     server.change(PutObject("a", msgspec.msgpack.encode(POINT), True))
     server.tell(
-        "requested_settings",
-        RequestedSettings(technique=(3, AM(frequency=50.0)), intensity=(4, 0.5)),
+        "selections",
+        Selections(technique=(3, AM(frequency=50.0)), intensity=(4, 0.5)),
     )
     server.tick(2)
     (item,) = server.loop.replica.scene.objects
@@ -357,7 +361,7 @@ def test_a_solver_is_swapped_without_a_missing_frame(server: Server) -> None:
     server.put()
     server.arm()
     server.tick(10)
-    server.tell("requested_settings", RequestedSettings(solver=(1, Choice(name="moody"))))
+    server.tell("selections", Selections(solver=(1, Choice(name="moody"))))
     server.tick(5)
     assert server.loop.renderer.session.solver.name == "auto"  # while the new one is made
     before = server.files["frame"].number
@@ -367,7 +371,7 @@ def test_a_solver_is_swapped_without_a_missing_frame(server: Server) -> None:
     assert server.report.results == {"solver 1": ""}
     assert server.report.state["solver"] == "moody"
     assert server.sounds
-    server.tell("requested_settings", RequestedSettings(solver=(2, Choice(name="nobody"))))
+    server.tell("selections", Selections(solver=(2, Choice(name="nobody"))))
     server.tick()
     server.threads.pop()()
     assert "nobody" in server.report.results["solver 2"]
@@ -392,11 +396,68 @@ def test_a_solver_that_raises_halts_until_reset(make: Callable[..., Server]) -> 
     Moody.mood = staticmethod(lambda: None)
     server.tick(5)
     assert server.frame[0].rows == 0
-    server.tell("requested_settings", RequestedSettings(reset=1))
+    server.tell("selections", Selections(reset=1))
     server.tick(10)
     assert server.sounds
     assert server.report.halted == ""
     assert server.report.results == {"reset 1": ""}
+
+
+def test_gains_that_are_not_finite_are_silence_with_the_reason(
+    make: Callable[..., Server], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    server = make(solver="moody")
+    server.put()
+    server.arm()
+    server.tick(10)
+    assert server.sounds
+    monkeypatch.setattr(Moody, "gain", math.nan)
+    server.put(pc.Point(position=(0.01, 0.0, 0.15), radiation_pressure=4.0))
+    server.tick(20)
+    assert not server.sounds
+    told = {
+        "sequence": 1, "time": 0.0, "output": "silent", "armed": True, "owner": "game", "scene": "hall",
+        "backend": "fake",
+    }  # fmt: skip
+    client = ClientState(
+        name="game", scene="hall", owner=True, objects=1, commands=1, errors=0, dropped=0, age=0.0, renewed=0.0
+    )  # fmt: skip
+    state = msgspec.convert({**server.report.state, **told, "clients": (client,)}, State)
+    found = find_cause(state)
+    assert found is not None
+    assert '"moody" gives gains that are not finite' in found.text
+
+
+@pytest.mark.parametrize("lost", [False, True])
+def test_another_device_takes_over_while_a_fault_halts_it(
+    make: Callable[..., Server], lost: bool
+) -> None:
+    """The fault is one of the device, or of the solver. The next device waits for its first frame."""
+
+    def bad() -> None:
+        raise RuntimeError("no gains today")
+
+    server = make(solver="moody")
+    server.put()
+    server.arm()
+    server.tick(10)
+    fault = "gone" if lost else ""
+    if lost:
+        server.tell("device", msgspec.structs.replace(server.device, fault=fault))
+    else:
+        Moody.mood = staticmethod(bad)
+        server.put(pc.Point(position=(0.01, 0.0, 0.15), radiation_pressure=4.0))
+    server.tick(3)
+    assert server.loop.renderer.halted is not None
+    server.tell("device", msgspec.structs.replace(server.device, fault=fault, next_generation=2))
+    server.loop.run_between()
+    assert (server.frame[0].device, server.frame[0].rows) == (2, 0)
+    server.tell("device", msgspec.structs.replace(server.device, generation=2))
+    Moody.mood = staticmethod(lambda: None)
+    server.tell("selections", Selections(reset=1))
+    server.tick(10)
+    assert server.frame[0].device == 2
+    assert server.sounds
 
 
 def test_after_a_fault_of_the_device_a_reset_waits_until_it_is_well(server: Server) -> None:
@@ -406,7 +467,7 @@ def test_after_a_fault_of_the_device_a_reset_waits_until_it_is_well(server: Serv
     server.tell("device", msgspec.structs.replace(server.device, fault="gone"))
     server.tick(2)
     assert "gone" in server.report.halted
-    server.tell("requested_settings", RequestedSettings(reset=1))
+    server.tell("selections", Selections(reset=1))
     server.tick(3)
     assert server.report.results == {}
     server.tell("device", server.device)
@@ -586,7 +647,7 @@ def test_what_changes_with_time_is_sent_at_the_full_rate(
     if why == "an envelope":
         server.put(msgspec.structs.replace(POINT, envelope=pc.Sine(frequency=200.0)))
     if why == "a technique":
-        server.tell("requested_settings", RequestedSettings(technique=(1, AM(frequency=200.0))))
+        server.tell("selections", Selections(technique=(1, AM(frequency=200.0))))
         server.change(PutObject("a", msgspec.msgpack.encode(POINT), True))
     server.tick(50)
     wake = Wake(server, server.clock.now() + 0.2, works=why != "no named pipes")
@@ -647,7 +708,7 @@ def test_a_permit_that_ends_while_nothing_changes_fades_as_soon_as_ever(
     server.arm(until=server.clock.now() + left)
     sent = run(server, left)
     fades = next(t for t, level in sent if level < sent[0][1])
-    assert left - EARLY <= fades <= left - EARLY + 0.001 + 1e-9
+    assert left - FADE_LEAD <= fades <= left - FADE_LEAD + 0.001 + 1e-9
 
 
 @pytest.mark.parametrize("end", ["terminate", "orphan"])
@@ -658,7 +719,9 @@ def test_the_process_renders_and_ends(tmp_path: Path, end: str) -> None:
         for path in map(tmp_path.joinpath, FILES)
     }
     settings = Settings(array=Units(columns=1, rows=1))
-    process = child_process.start("render", child_process.LaunchConfig(str(tmp_path), settings))
+    process = launched_child.start_child(
+        "render", launch_config.LaunchConfig(str(tmp_path), settings)
+    )
     try:
         device = DeviceStatus(1, 0, "fake", 256, 256, 1000.0, None, 0.0, False)
         files["device"].write(messages.pack(device))
@@ -697,10 +760,10 @@ def test_the_process_renders_and_ends(tmp_path: Path, end: str) -> None:
 
 
 def test_of_orders_that_cannot_be_done_the_others_are(server: Server) -> None:
-    orders = RequestedSettings(
+    selections = Selections(
         technique=(1, NOWHERE), intensity=(1, 0.5), solver=(1, Choice(name="moody"))
     )
-    server.tell("requested_settings", orders)
+    server.tell("selections", selections)
     server.tick()
     report = server.report
     assert "points" in report.results["technique 1"]
@@ -709,7 +772,7 @@ def test_of_orders_that_cannot_be_done_the_others_are(server: Server) -> None:
     assert report.state["technique"] == ""  # as before
     assert len(server.threads) == 1
     server.tell(
-        "requested_settings", msgspec.structs.replace(orders, technique=(2, AM(frequency=100.0)))
+        "selections", msgspec.structs.replace(selections, technique=(2, AM(frequency=100.0)))
     )
     server.tick()
     assert server.report.results["technique 2"] == ""
@@ -717,17 +780,17 @@ def test_of_orders_that_cannot_be_done_the_others_are(server: Server) -> None:
 
 
 @pytest.mark.parametrize("damaged", [True, False])
-def test_it_begins_whatever_the_orders_are(
+def test_it_begins_whatever_the_selections_are(
     make: Callable[..., Server], monkeypatch: pytest.MonkeyPatch, damaged: bool
 ) -> None:
     before = RenderLoop.open
 
-    def open_after_orders(loop: RenderLoop) -> None:
-        data = b"\xc1" if damaged else messages.pack(RequestedSettings(technique=(4, NOWHERE)))
-        loop._files["requested_settings"].write(data)
+    def open_after_selections(loop: RenderLoop) -> None:
+        data = b"\xc1" if damaged else messages.pack(Selections(technique=(4, NOWHERE)))
+        loop._files["selections"].write(data)
         before(loop)
 
-    monkeypatch.setattr(RenderLoop, "open", open_after_orders)
+    monkeypatch.setattr(RenderLoop, "open", open_after_selections)
     server = make()
     server.put()
     server.arm()
@@ -811,10 +874,10 @@ def test_a_process_that_is_ended_while_it_starts_ends_without_a_traceback(
     def end(*_: Any) -> Any:
         raise KeyboardInterrupt
 
-    config = child_process.LaunchConfig("", Settings())
+    config = launch_config.LaunchConfig("", Settings())
     monkeypatch.setattr(signal, "signal", lambda *_: None)
-    monkeypatch.setattr(child_process, "read_launch_config", lambda _: config)
+    monkeypatch.setattr(parent_link, "read_launch_config", lambda _: config)
     monkeypatch.setattr(process, "configure", lambda *_: None)
-    owner = child_process if stage == "read_launch_config" else process
+    owner = parent_link if stage == "read_launch_config" else process
     monkeypatch.setattr(owner, stage, end)
     process.main()

@@ -178,9 +178,9 @@ def test_the_input_belongs_to_its_scene() -> None:
     scene.apply([hands(hand(x=0.01), sequence=8)])
     second = scene.scene
     scene.apply([move("a", 0.1)])
-    assert scene.input(first) == Input(7, 0.25, 100.5)
-    assert scene.input(second).input == scene.input(scene.scene).input == 8
-    assert scene.input(scene.silenced) == scene.input(pc.Scene()) == Input()
+    assert scene.find_input(first) == Input(7, 0.25, 100.5)
+    assert scene.find_input(second).input == scene.find_input(scene.scene).input == 8
+    assert scene.find_input(scene.silenced) == scene.find_input(pc.Scene()) == Input()
 
 
 def test_hushed_keeps_the_hands_and_is_always_the_same() -> None:
@@ -354,8 +354,8 @@ def test_the_loader_makes_one_after_the_other_and_goes_on_after_errors() -> None
     def bad() -> Object:
         raise RuntimeError("torn")
 
-    loader.ask("a", 1, bad)
-    loader.ask("b", 2, lambda: POINT)
+    loader.queue("a", 1, bad)
+    loader.queue("b", 2, lambda: POINT)
     assert len(jobs) == 1  # one thread for all objects
     loader._load_next()
     loader._load_next()

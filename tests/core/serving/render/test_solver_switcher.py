@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
 import msgspec
+import numpy as np
 import pytest
 from msgspec import Meta
 
@@ -50,6 +51,18 @@ class Raises(Loud):
         raise RuntimeError("no gains today")
 
 
+class Infinite(Loud):
+    """A solver whose gains are not finite."""
+
+    name: ClassVar[str] = "infinite"
+
+    def solve(
+        self, propagator: Any, targets: Any, limits: Any, warm: Any, budget: Any, out: Any
+    ) -> pc.Result:
+        out[:] = np.nan
+        return pc.Result()
+
+
 class Unmade(Loud):
     """A solver that cannot be made."""
 
@@ -62,7 +75,7 @@ class Unmade(Loud):
 @pytest.fixture(autouse=True)
 def plugins(monkeypatch: pytest.MonkeyPatch) -> None:
     found = Plugins(importlib.metadata.entry_points(group="pacinian"))
-    for cls in (Loud, Raises, Unmade):
+    for cls in (Loud, Raises, Infinite, Unmade):
         found.offers["solver", cls.name] = Offer("solver", cls, cls.name, "tests")
     monkeypatch.setattr(registry, "discover_plugins", lambda: found)
 
@@ -90,7 +103,7 @@ def solvers(threads: Threads) -> SolverSwitcher:
 
 def test_a_solver_takes_over_once_it_is_made(solvers: SolverSwitcher, threads: Threads) -> None:
     before = solvers.chosen
-    solvers.order(1, Choice(name="loud", options={"level": 0.25}))
+    solvers.select(1, Choice(name="loud", options={"level": 0.25}))
     assert solvers.poll() == {}
     assert solvers.chosen is before
     threads.work()
@@ -114,6 +127,7 @@ def test_the_options_of_the_configuration_stay_where_a_client_chooses_the_same()
     ("choice", "problem"),
     [
         (Choice(name="raises"), "no gains today"),
+        (Choice(name="infinite"), "infinite: gives gains that are not finite"),
         (Choice(name="unmade"), "SystemExit"),
         (Choice(name="nobody"), "no solver is called 'nobody'"),
         (Choice(name="loud", options={"volume": 11}), "volume"),
@@ -125,7 +139,7 @@ def test_what_cannot_solve_is_refused_with_the_reason(
     solvers: SolverSwitcher, threads: Threads, choice: Choice, problem: str
 ) -> None:
     before = solvers.chosen
-    solvers.order(1, choice)
+    solvers.select(1, choice)
     threads.work()
     assert problem in solvers.poll()["solver 1"]
     assert solvers.chosen is before
@@ -135,10 +149,10 @@ def test_one_is_made_at_a_time_and_of_those_that_wait_the_newest(
     solvers: SolverSwitcher, threads: Threads
 ) -> None:
     before = solvers.chosen
-    solvers.order(1, Choice(name="loud"))
+    solvers.select(1, Choice(name="loud"))
     for number in range(2, 100):
-        solvers.order(number, Choice(name="raises"))
-    solvers.order(100, Choice(name="auto"))
+        solvers.select(number, Choice(name="raises"))
+    solvers.select(100, Choice(name="auto"))
     assert len(threads.waiting) == 1
     assert solvers.poll() == dict.fromkeys([f"solver {k}" for k in range(2, 100)], SUPERSEDED)
     threads.work()
@@ -147,7 +161,7 @@ def test_one_is_made_at_a_time_and_of_those_that_wait_the_newest(
     threads.work()
     assert solvers.poll() == {"solver 100": ""}
     assert solvers.chosen.name == "auto"
-    solvers.order(101, Choice(name="loud"))
+    solvers.select(101, Choice(name="loud"))
     threads.work()
     assert solvers.poll() == {"solver 101": ""}
 
@@ -158,11 +172,11 @@ def test_one_that_hangs_while_it_is_made_gives_way_to_another(threads: Threads) 
         make_solver("gs-pat"), ARRAY, thread=threads.waiting.append, clock=clock.now
     )
     before = solvers.chosen
-    solvers.order(1, Choice(name="loud"))
+    solvers.select(1, Choice(name="loud"))
     hangs = threads.waiting.pop()
     clock.advance(60.0 * START_TIMEOUT)
     assert solvers.poll() == {}, "it may compile for as long as nothing else is wanted"
-    solvers.order(2, Choice(name="auto"))
+    solvers.select(2, Choice(name="auto"))
     assert "did not start within" in solvers.poll()["solver 1"]
     threads.work()
     assert solvers.poll() == {"solver 2": ""}
@@ -179,14 +193,14 @@ def test_solvers_that_hang_are_only_so_many(threads: Threads) -> None:
     )
     results: dict[str, str] = {}
     for number in range(1, MAX_HANGING + 2):
-        solvers.order(number, Choice(name="loud"))
+        solvers.select(number, Choice(name="loud"))
         clock.advance(1.1 * START_TIMEOUT)
         results |= solvers.poll()
     assert len(threads.waiting) == MAX_HANGING
     assert "restart the server" in results[f"solver {MAX_HANGING + 1}"]
     threads.work()
     solvers.poll()
-    solvers.order(100, Choice(name="auto"))
+    solvers.select(100, Choice(name="auto"))
     threads.work()
     assert solvers.poll() == {"solver 100": ""}
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import pacinian as pc
-from pacinian.serving.render.zone_placement import MARGIN, ZonePlacement
+from pacinian.serving.render.zone_placement import MOVEMENT_MARGIN, ZonePlacement
 
 from ....waiting import eventually
 
@@ -53,14 +53,14 @@ def test_a_zone_may_move_a_little_without_a_pause(quieting: ZonePlacement) -> No
     eventually(lambda: quieting.keeps((FIXED, head())))
     at = 0.0
     for _ in range(8):
-        at += 0.4 * MARGIN
+        at += 0.4 * MOVEMENT_MARGIN
         assert quieting.keeps((FIXED, head(at)))
         covered(quieting, FIXED, head(at))
 
         def goes_on(x: float = at) -> bool:
             zones = FIXED, head(x)
             assert quieting.keeps(zones)  # while other zones are prepared
-            return quieting.limits.zones[1].position[0] > x - 0.5 * MARGIN
+            return quieting.limits.zones[1].position[0] > x - 0.5 * MOVEMENT_MARGIN
 
         eventually(goes_on)
 
@@ -88,7 +88,7 @@ def test_a_zone_that_becomes_smaller_or_less_quiet_is_prepared_anew_without_a_pa
     def is_prepared() -> bool:
         assert quieting.keeps(now)
         last = quieting.limits.zones[1]
-        return last.pressure == now[1].pressure and last.radius == now[1].radius + MARGIN
+        return last.pressure == now[1].pressure and last.radius == now[1].radius + MOVEMENT_MARGIN
 
     eventually(is_prepared)
 

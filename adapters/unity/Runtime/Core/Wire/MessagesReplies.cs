@@ -531,7 +531,7 @@ namespace Pacinian.Wire
         /// <summary>Number of levels of the device.</summary>
         public long Amplitudes;
 
-        /// <summary>Frames per second that the device plays [Hz].</summary>
+        /// <summary>Rows per second that the device plays [Hz].</summary>
         public double DeviceRate;
 
         /// <summary>Ticks per second [Hz].</summary>

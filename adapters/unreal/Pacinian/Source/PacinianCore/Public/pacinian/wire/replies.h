@@ -152,7 +152,7 @@ struct Abilities : Reply {
   std::int64_t phases = 0;
   /// number of levels of the device
   std::int64_t amplitudes = 0;
-  /// frames per second that the device plays [Hz]
+  /// rows per second that the device plays [Hz]
   double device_rate = 0.0;
   /// ticks per second [Hz]
   double rate = 0.0;

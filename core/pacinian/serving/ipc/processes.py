@@ -1,4 +1,4 @@
-"""Start a process without a new file descriptor, because there may be none left (decision 38): by spawn or by fork."""
+"""Spawn or fork a process without a new file descriptor, because there may be none left (decision 38)."""
 
 from __future__ import annotations
 
@@ -16,6 +16,8 @@ import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
+from pacinian.serving.ipc.open_files import list_file_descriptors
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
@@ -23,15 +25,12 @@ POLL_INTERVAL = 2e-3  # interval between two checks whether a process has ended 
 # Environment variable that keeps Python from importing from the folder in which the server was started. That folder may
 # be another user's.
 SAFE_PATH = {"PYTHONSAFEPATH": "1"}
-UNWRITABLE = (
-    AttributeError,
-    OSError,
-    ValueError,
-)  # of a standard stream that is None, closed, or not read
+# What a write to a standard stream raises that is None, closed, or not read.
+UNWRITABLE = AttributeError, OSError, ValueError
 
 
-class SystemProcess(Protocol):
-    """The part of `subprocess.Popen` that the server needs."""
+class Child(Protocol):
+    """A process that this one has started: the part of `subprocess.Popen` that the server needs."""
 
     @property
     def pid(self) -> int:
@@ -51,8 +50,8 @@ class SystemProcess(Protocol):
         ...
 
 
-class PosixProcess:
-    """A child of this process. pid: its id. command: its program and arguments, for errors."""
+class PosixChild:
+    """A child on a POSIX system. pid: its id. command: its program and arguments, for errors."""
 
     def __init__(self, pid: int, command: Sequence[str]) -> None:
         self.pid, self._command = pid, list(command)
@@ -87,17 +86,7 @@ class PosixProcess:
         return self._code
 
 
-def list_files() -> list[int]:
-    """Return the file descriptors of this process but the standard ones. Raises OSError if the system has no list."""
-    found = []
-    for number in map(int, os.listdir("/dev/fd")):
-        with contextlib.suppress(OSError):  # the list's own, which is closed again
-            os.fstat(number)
-            found.append(number)
-    return [number for number in found if number > 2]
-
-
-def start_process(command: Sequence[str], stdin: int) -> SystemProcess:
+def spawn_process(command: Sequence[str], stdin: int) -> Child:
     """Start a program by its path and arguments. stdin: file descriptor of its standard input. Raises OSError."""
     # Own session: Ctrl-C goes to the parent only, which then ends its children in order.
     if sys.platform != "win32":
@@ -110,18 +99,18 @@ def start_process(command: Sequence[str], stdin: int) -> SystemProcess:
                 setsid=True,
                 setsigdef=[signal.SIGPIPE, signal.SIGXFSZ],  # Python ignores these
             )
-            return PosixProcess(pid, command)
+            return PosixChild(pid, command)
     own, env = os.name == "posix", {**os.environ, **SAFE_PATH}
     return subprocess.Popen(command, stdin=stdin, env=env, start_new_session=own)
 
 
-def fork_process(run: Callable[[], object], command: Sequence[str], stdin: int) -> PosixProcess:
-    """Start a copy of this process that calls `run` and then ends. The two share the memory that neither changes.
+def fork_process(run: Callable[[], object], command: Sequence[str], stdin: int) -> PosixChild:
+    """Start a copy of this process that calls `run` and then ends.
 
-    command: the title of the copy, in lists of processes, if this process was started with an environment. stdin: file
-    descriptor of its standard input. Other threads do not exist in the copy, so none may hold a lock. No signal handler
-    may raise: the copy would clean up what is its parent's. What was registered with `atexit` before runs in both. Only
-    for Linux. Raises OSError.
+    The two share the pages of memory that neither changes. command: title of the copy in lists of processes. Without an
+    environment, this process cannot set it. stdin: file descriptor of its standard input. Other threads do not exist in
+    the copy, so none may hold a lock. No signal handler may raise, because the copy would clean up what belongs to its
+    parent. What was registered with `atexit` before runs in both. Only for Linux. Raises OSError.
     """
     _flush_output()
     with warnings.catch_warnings():
@@ -129,7 +118,7 @@ def fork_process(run: Callable[[], object], command: Sequence[str], stdin: int) 
         warnings.simplefilter("ignore", DeprecationWarning)
         pid = os.fork()
     if pid:
-        return PosixProcess(pid, command)
+        return PosixChild(pid, command)
     code = 1
     try:
         _separate(command, stdin)
@@ -146,7 +135,7 @@ def _separate(command: Sequence[str], stdin: int) -> None:
             own = signal.default_int_handler if name is signal.SIGINT else signal.SIG_DFL
             signal.signal(name, own)
     os.dup2(stdin, 0)
-    for number in list_files():
+    for number in list_file_descriptors():
         os.close(number)
     os.environ.update(SAFE_PATH)
     if not sys.flags.safe_path:

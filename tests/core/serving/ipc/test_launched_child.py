@@ -13,9 +13,9 @@ import psutil
 import pytest
 
 from pacinian.errors import ServerError
-from pacinian.serving.ipc import child_process
+from pacinian.serving.ipc import launch_config, launched_child
 from pacinian.serving.ipc.child_pipe import ChildPipe, ChildPipes
-from pacinian.serving.ipc.child_process import LaunchConfig
+from pacinian.serving.ipc.launch_config import LaunchConfig
 from pacinian.serving.settings import Settings
 
 from ....waiting import PATIENCE, eventually
@@ -27,9 +27,9 @@ linux = pytest.mark.skipif(sys.platform != "linux", reason="the system kills orp
 CHILD = """
 import ctypes, sys, threading, time
 from pathlib import Path
-from pacinian.serving.ipc import child_process
+from pacinian.serving.ipc import parent_link
 gone = threading.Event()
-parent = child_process.Parent()
+parent = parent_link.Parent()
 told = parent.config
 if told.spare:
     parent.prepare()
@@ -46,20 +46,21 @@ WAITS = "gone.wait(); (at / 'orphaned').touch()"
 STUCK = "(at / 'stuck').touch(); ctypes.PyDLL(None).sleep(600)"
 PARENT = """
 import sys, time
-from pacinian.serving.ipc import child_process
+from pacinian.serving.ipc import launch_config, launched_child
 from pacinian.serving.settings import Settings
-started = child_process.launch([sys.executable, "-c", sys.argv[1]], child_process.LaunchConfig(sys.argv[2], Settings()))
+config = launch_config.LaunchConfig(sys.argv[2], Settings())
+started = launched_child.start_command([sys.executable, "-c", sys.argv[1]], config)
 print(started.pid, flush=True)
 time.sleep(600)
 """
 FULL = """
 import os, resource, subprocess, sys, time
 from pathlib import Path
-from pacinian.serving.ipc import child_process
+from pacinian.serving.ipc import launch_config, launched_child
 from pacinian.serving.ipc.child_pipe import ChildPipes
 from pacinian.serving.settings import Settings
 told = Path(sys.argv[2]) / "told"
-config = child_process.LaunchConfig(sys.argv[2], Settings(), {"long": "x" * 300_000})
+config = launch_config.LaunchConfig(sys.argv[2], Settings(), {"long": "x" * 300_000})
 with ChildPipes(1) as pipes:
     resource.setrlimit(resource.RLIMIT_NOFILE, (64, 64))
     for _ in range(3):
@@ -69,10 +70,10 @@ with ChildPipes(1) as pipes:
         except OSError:
             print("full")
         command = [sys.executable, "-c", "import time; time.sleep(600)"]  # does not read
-        deaf = child_process.launch(command, config, pipes.take())
+        deaf = launched_child.start_command(command, config, pipes.take())
         deaf.kill()
         deaf.wait()
-        child = child_process.launch([sys.executable, "-c", sys.argv[1]], config, pipes.take())
+        child = launched_child.start_command([sys.executable, "-c", sys.argv[1]], config, pipes.take())
         while not told.exists():
             time.sleep(0.01)
         print("told")
@@ -84,7 +85,7 @@ with ChildPipes(1) as pipes:
 FORKED = """
 import json, os, sys, threading
 from pathlib import Path
-from pacinian.serving.ipc import child_process
+from pacinian.serving.ipc import launch_config, launched_child, parent_link
 from pacinian.serving.ipc.child_pipe import ChildPipes
 from pacinian.serving.settings import Settings
 
@@ -98,16 +99,16 @@ def report(parent):
     parent.wait()
 
 def run(name, later):
-    report(child_process.Parent())
+    report(parent_link.Parent())
 
-child_process._run_module = run
+launched_child.run_module = run
 folder = Path(sys.argv[1])
 kept = os.open(folder, os.O_RDONLY)
 sys.path.insert(0, str(folder / "beside the program"))
-with ChildPipes(3) as pipes, child_process.ForkedChildren(("guard", "guard"), pipes) as forked:
-    config = child_process.LaunchConfig(str(folder), Settings(rate=500.0), {"name": "first"})
-    first = forked.start("guard", config)
-    assert forked.start("bus", config) is None
+with ChildPipes(3) as pipes, launched_child.ForkedChildren(("guard", "guard"), pipes) as forked:
+    config = launch_config.LaunchConfig(str(folder), Settings(rate=500.0), {"name": "first"})
+    first = forked.take("guard", config)
+    assert forked.take("bus", config) is None
     [(_, second)] = forked._waiting
     print(first.pid, second.pid, flush=True)
     sys.stdin.readline()
@@ -121,9 +122,9 @@ def source(work: str, *, kill: bool = True) -> str:
     return textwrap.dedent(CHILD).format(work=work, kill=kill)
 
 
-def launched(work: str, folder: Path, **given: str) -> child_process.Process:
+def launched(work: str, folder: Path, **given: str) -> launched_child.LaunchedChild:
     told = LaunchConfig(str(folder), Settings(rate=500.0), given)
-    return child_process.launch([sys.executable, "-c", source(work)], told)
+    return launched_child.start_command([sys.executable, "-c", source(work)], told)
 
 
 def test_a_child_is_told_and_ends_when_its_standard_input_does(tmp_path: Path) -> None:
@@ -135,7 +136,7 @@ def test_a_child_is_told_and_ends_when_its_standard_input_does(tmp_path: Path) -
     assert token not in " ".join([*known.cmdline(), *known.environ().values()])
     if os.name == "posix":  # so that only the parent handles Ctrl-C
         assert os.getpgid(process.pid) != os.getpgid(0)
-    assert child_process.end(process, PATIENCE) == 0
+    assert launched_child.end_child(process, PATIENCE) == 0
     assert (tmp_path / "orphaned").exists()
     # so that a plug-in in the child finds nothing to read there
     assert (tmp_path / "told").read_text() == repr(({"token": token}, 500.0, ""))
@@ -145,50 +146,52 @@ def test_a_child_is_told_and_ends_when_its_standard_input_does(tmp_path: Path) -
 def test_a_child_that_does_not_end_is_killed(tmp_path: Path) -> None:
     process = launched(STUCK, tmp_path)
     eventually((tmp_path / "stuck").exists)
-    assert child_process.end(process, 0.05) == -signal.SIGKILL
+    assert launched_child.end_child(process, 0.05) == -signal.SIGKILL
 
 
 def test_a_child_that_dies_at_once_is_no_error_of_its_parent(tmp_path: Path) -> None:
     told = LaunchConfig(str(tmp_path), Settings(), {"long": "x" * 500_000})
-    process = child_process.launch([sys.executable, "-c", "raise SystemExit(3)"], told)
-    assert child_process.end(process, PATIENCE) == 3
+    process = launched_child.start_command([sys.executable, "-c", "raise SystemExit(3)"], told)
+    assert launched_child.end_child(process, PATIENCE) == 3
 
 
 def test_a_child_that_reads_nothing_does_not_hold_up_its_parent(tmp_path: Path) -> None:
     told = LaunchConfig(
         str(tmp_path), Settings(), {"long": "x" * 900_000}
     )  # more than a pipe holds
-    process = child_process.launch([sys.executable, "-c", "import time; time.sleep(600)"], told)
+    process = launched_child.start_command(
+        [sys.executable, "-c", "import time; time.sleep(600)"], told
+    )
     assert process.poll() is None, "it went on only once the child had ended"
     process.kill()
-    child_process.end(process, PATIENCE)
+    launched_child.end_child(process, PATIENCE)
 
 
 def test_a_spare_waits_until_it_is_called(tmp_path: Path) -> None:
     told = LaunchConfig(str(tmp_path), Settings(rate=500.0), spare=1)
-    process = child_process.launch([sys.executable, "-c", source(WAITS)], told)
+    process = launched_child.start_command([sys.executable, "-c", source(WAITS)], told)
     eventually((tmp_path / "ready").exists)
     process.activate()
     eventually((tmp_path / "told").exists)
-    assert child_process.end(process, PATIENCE) == 0
+    assert launched_child.end_child(process, PATIENCE) == 0
     assert (tmp_path / "orphaned").exists()
 
 
 def test_a_spare_that_is_not_called_ends_with_its_parent(tmp_path: Path) -> None:
     told = LaunchConfig(str(tmp_path), Settings(), spare=1)
-    process = child_process.launch([sys.executable, "-c", source(WAITS)], told)
+    process = launched_child.start_command([sys.executable, "-c", source(WAITS)], told)
     eventually((tmp_path / "ready").exists)
-    assert child_process.end(process, PATIENCE) == 0
+    assert launched_child.end_child(process, PATIENCE) == 0
     assert not (tmp_path / "told").exists()
 
 
 def test_what_a_child_is_told_arrives_in_order_and_holds_up_nobody(tmp_path: Path) -> None:
     """Send more than a pipe holds at once."""
     told = LaunchConfig(str(tmp_path), Settings(rate=500.0), {"long": "x" * 900_000}, spare=1)
-    process = child_process.launch([sys.executable, "-c", source(WAITS)], told)
+    process = launched_child.start_command([sys.executable, "-c", source(WAITS)], told)
     process.activate()
     eventually((tmp_path / "told").exists)
-    assert child_process.end(process, PATIENCE) == 0
+    assert launched_child.end_child(process, PATIENCE) == 0
 
 
 @posix
@@ -202,15 +205,19 @@ def test_where_no_more_files_are_permitted_children_are_started(tmp_path: Path) 
 def test_a_pipe_has_one_child_at_a_time(tmp_path: Path) -> None:
     told = LaunchConfig(str(tmp_path), Settings(rate=500.0))
     with ChildPipes(1) as pipes:
-        first = child_process.launch([sys.executable, "-c", source(WAITS)], told, pipes.take())
+        first = launched_child.start_command(
+            [sys.executable, "-c", source(WAITS)], told, pipes.take()
+        )
         with pytest.raises(ServerError, match="not ended yet"):
             pipes.take()
         first.kill()
         first.wait(PATIENCE)
         (tmp_path / "told").unlink(missing_ok=True)
-        second = child_process.launch([sys.executable, "-c", source(WAITS)], told, pipes.take())
+        second = launched_child.start_command(
+            [sys.executable, "-c", source(WAITS)], told, pipes.take()
+        )
         eventually((tmp_path / "told").exists)
-        assert child_process.end(second, PATIENCE) == 0
+        assert launched_child.end_child(second, PATIENCE) == 0
     assert (tmp_path / "orphaned").exists()
 
 
@@ -219,7 +226,7 @@ def test_what_is_told_after_the_end_closes_no_other_file() -> None:
     pipe.close()
     with Path(__file__).open("rb") as other:  # it gets the number of one of the ends
         for _ in range(3):
-            pipe.tell(b"!")
+            pipe.write(b"!")
         assert other.read(1)
     pipe.close()
 
@@ -230,7 +237,7 @@ def test_nothing_is_imported_from_the_folder_of_the_start(
     """It may be another user's."""
     (tmp_path / "msgspec.py").write_text("import pathlib; pathlib.Path('imported').touch()")
     monkeypatch.chdir(tmp_path)
-    child = child_process.start("guard", LaunchConfig(str(tmp_path / "none"), Settings()))
+    child = launched_child.start_child("guard", LaunchConfig(str(tmp_path / "none"), Settings()))
     assert child.wait(PATIENCE) == 1
     child.close()
     assert not (tmp_path / "imported").exists()
@@ -242,7 +249,9 @@ def test_a_child_does_not_inherit_the_files_of_its_parent(tmp_path: Path) -> Non
     os.set_inheritable(ends[1], True)  # as the shell may have left it
     with ChildPipes(1) as pipes:
         told = LaunchConfig(str(tmp_path), Settings())
-        child = child_process.launch([sys.executable, "-c", source(WAITS)], told, pipes.take())
+        child = launched_child.start_command(
+            [sys.executable, "-c", source(WAITS)], told, pipes.take()
+        )
         os.close(ends[1])
         assert os.read(ends[0], 1) == b"", "the child holds the other end"
         os.close(ends[0])
@@ -256,13 +265,13 @@ def test_where_no_more_threads_are_permitted_no_child_is_left(
     spare = launched(WAITS, tmp_path)
     monkeypatch.setattr("threading.Thread.start", refuse_thread)
     before = set(psutil.Process().children())
-    with pytest.raises(ServerError, match="cannot be told"):
+    with pytest.raises(ServerError, match="did not receive"):
         launched(WAITS, tmp_path)
     assert set(psutil.Process().children()) == before
     spare.activate()
     monkeypatch.undo()
     spare.activate()
-    assert child_process.end(spare, PATIENCE) == 0
+    assert launched_child.end_child(spare, PATIENCE) == 0
 
 
 def refuse_thread(_: object) -> None:
@@ -274,15 +283,15 @@ def test_secrets_are_not_shown() -> None:
 
 
 def test_more_than_a_child_reads_is_not_sent(tmp_path: Path) -> None:
-    told = LaunchConfig(str(tmp_path), Settings(), {"long": "x" * child_process.MAX_CONFIG_BYTES})
+    told = LaunchConfig(str(tmp_path), Settings(), {"long": "x" * launch_config.MAX_CONFIG_BYTES})
     with pytest.raises(ServerError, match="more than"):
-        child_process.launch(["nothing"], told)
+        launched_child.start_command(["nothing"], told)
 
 
 def test_a_path_that_is_not_unicode_is_named(tmp_path: Path) -> None:
     told = LaunchConfig(str(tmp_path), Settings(connection="/tmp/caf\udce9.json"))
     with pytest.raises(ServerError, match=r"caf.*rename that file or folder"):
-        child_process.launch(["nothing"], told)
+        launched_child.start_command(["nothing"], told)
 
 
 @pytest.mark.parametrize("data", [b"", b"\x05\0\0\0{", b"\x02\0\0\0{}", b"\xff\xff\xff\xff{}"])
@@ -321,7 +330,7 @@ def test_a_forked_child_has_only_what_a_spawned_one_has(tmp_path: Path) -> None:
 
 FORK = """
 import atexit, os, signal, sys, threading, time
-from pacinian.serving.ipc.spawned_process import fork_process
+from pacinian.serving.ipc.processes import fork_process
 source, sink = os.pipe()
 signal.signal(signal.SIGTERM, lambda *_: None)
 """
@@ -393,7 +402,7 @@ def test_a_child_that_waits_ends_silently_with_its_parent() -> None:
     program = """
 import os, signal
 from pacinian.serving.ipc.child_pipe import ChildPipes
-from pacinian.serving.ipc.child_process import ForkedChildren
+from pacinian.serving.ipc.launched_child import ForkedChildren
 forked = ForkedChildren(("guard", "bus"), ChildPipes(2))
 print(*(process.pid for _, process in forked._waiting), flush=True)
 os.kill(os.getpid(), signal.SIGKILL)
@@ -409,7 +418,7 @@ os.kill(os.getpid(), signal.SIGKILL)
 def test_where_no_more_can_be_forked_the_others_are_spawned() -> None:
     program = """
 import errno, os
-from pacinian.serving.ipc import child_process
+from pacinian.serving.ipc import launched_child
 from pacinian.serving.ipc.child_pipe import ChildPipes
 fork, made = os.fork, []
 def limited():
@@ -418,7 +427,7 @@ def limited():
     made.append(1)
     return fork()
 os.fork = limited
-with ChildPipes(2) as pipes, child_process.ForkedChildren(("guard", "bus"), pipes) as forked:
+with ChildPipes(2) as pipes, launched_child.ForkedChildren(("guard", "bus"), pipes) as forked:
     print([name for name, _ in forked._waiting], pipes.take() is not None)
 """
     done = subprocess.run(

@@ -1,0 +1,124 @@
+"""Sample a scene and solve for its samples: the job that runs in a tick, or in the background."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pacinian.rendering.scene_warnings import is_too_fast
+from pacinian.rendering.solution_sequence import SolutionSequence, SolveResult
+from pacinian.scene.sampling.sample_counts import FAR, ON_TRANSDUCER, SampleCounts, label_object
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from pacinian.plugins.solver import Solver
+    from pacinian.rendering.playback import Playback
+    from pacinian.rendering.report import StageTimer
+    from pacinian.rendering.sample_solver import SampleSolver
+    from pacinian.scene.sampling.sampler import Sampler
+    from pacinian.scene.scene import Scene
+    from pacinian.solving.problem import Limits
+    from pacinian.types import Floats
+
+
+class SceneSolver:
+    """Samples and solves for one scene after the other.
+
+    sampler: samples scenes. samples: solves for their samples. playback: rounds gains as the device does. now: the
+    clock of solves in the background [s]. adaptive: whether these are made only as often as skin needs them.
+    """
+
+    def __init__(
+        self,
+        sampler: Sampler,
+        samples: SampleSolver,
+        playback: Playback,
+        now: Callable[[], float],
+        *,
+        adaptive: bool,
+    ) -> None:
+        self._sampler, self._samples, self._playback = sampler, samples, playback
+        self._now, self._adaptive = now, adaptive
+
+    def prepare(self, limits: Limits, solver: Solver) -> None:
+        """Tell the sampler what the next solve's limits and solver mean for it."""
+        sampler, alone = self._sampler, limits.couples_gains
+        sampler.bands = 1 if alone else self._samples.cycle.max_bands
+        sampler.steers = not limits.forbids_steering
+        sampler.surround = solver.surrounds and not alone
+        sampler.max_uniform_points = 0.0 if alone else solver.max_uniform_points
+
+    def solve(
+        self, scene: Scene, limits: Limits, solver: Solver, t: float, at: float, deadline: float, last: SolveResult,
+        stages: StageTimer, *, in_background: bool,
+    ) -> SolveResult:  # fmt: skip
+        """Sample the scene of time t [s], and solve for its samples.
+
+        at: time for which positions and gains are to hold [s]. deadline: of the solve, from its beginning [s]; may be
+        infinite. last: the result that is played. stages: timer of the stages, which is in "sample". in_background:
+        whether this runs in the background.
+        """
+        begin = self._now() if in_background else math.nan
+        sampler, solves = self._sampler, self._samples
+        known = sampler.sample_counts
+        samples = sampler.sample(scene, at, at - t)
+        counts = sampler.sample_counts
+        if counts is not known and len(counts.samples):
+            self._note_unreachable(counts)
+        stages.enter("solve")
+        solves.skins = sampler.pose_seen() if len(samples) else ()
+        solves.cycle.budget = sampler.frame_budget
+        solves.spares_solves = in_background and self._adaptive
+        solutions = solves.solve(samples, t, limits, solver, deadline, at)
+        fast = last.too_fast
+        if solutions is not last.solutions:
+            fast = self.find_too_fast(solutions)
+        fresh, pressures, seconds = tuple(solves.fresh), None, math.nan
+        if in_background:
+            # a steered field makes at its samples what it made where it was solved for
+            same = (
+                solutions.rows == last.solutions.rows and solutions.limits == last.solutions.limits
+            )
+            pressures = (
+                last.sample_pressures if same else self._compute_pressures(solutions, limits)
+            )
+            seconds = self._now() - begin
+            stages.enter("drive")  # ends "solve"
+        return SolveResult(scene, counts, solutions, solver, fresh, pressures, at, seconds, fast)
+
+    def _note_unreachable(self, counts: SampleCounts) -> None:
+        """Note the samples that no sound can reach."""
+        unreachable = self._samples.reach.find_unreachable(counts.samples.positions)
+        if unreachable is None:
+            return
+        far, on = unreachable
+        for reason, found in (FAR, far), (ON_TRANSDUCER, on):
+            if found.any():
+                counts.drop(reason, found)
+
+    def _compute_pressures(self, solutions: SolutionSequence, limits: Limits) -> Floats | None:
+        """Return the pressures at the samples of what has just been solved, if a propagator is still that of these."""
+        solutions = replace(solutions, motion=None)
+        samples = solutions.played_samples
+        for frame in self._samples.cycle.frames:
+            propagator = frame.session.propagator
+            whole = samples is not None and np.array_equal(propagator.points, samples.positions)
+            if whole and propagator.quiet_subspace is None:
+                gains = self._playback.quantise_frames(solutions, limits)
+                p = [propagator.apply(g) for g in gains]
+                return np.asarray(np.sqrt((np.abs(p) ** 2).mean(axis=0)))
+        return None
+
+    def find_too_fast(self, solutions: SolutionSequence) -> tuple[str, ...]:
+        """Return the labels of the objects whose vibration the device cannot play.
+
+        Each of several frames in turn has only its share of the device's rate.
+        """
+        items = solutions.samples.items
+        rate = self._playback.capability.rate / (len(solutions.rows) if solutions.cycle else 1)
+        used = np.unique(solutions.samples.objects).tolist()
+        return tuple(label_object(items[i], i) for i in used if is_too_fast(items[i], rate))
