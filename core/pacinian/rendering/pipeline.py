@@ -144,10 +144,8 @@ class Pipeline:
         Returns the scene; None after an exception, which the first tick will raise and report again. If `strict`, the
         exception is raised at once.
         """
-        self.schedule, self._in_background = (
-            BackgroundSchedule(self.period),
-            False,
-        )  # as a replay begins
+        # as a replay begins
+        self.schedule, self._in_background = BackgroundSchedule(self.period), False
         try:
             self.playback.quantise_gains(try_out(self.session).gains, limits)
             first, self.limits = scene(0.0), limits
@@ -174,6 +172,7 @@ class Pipeline:
 
     def reset(self) -> None:
         """Discard all state and start from silence. Solves run where they ran at the last frame that was sent."""
+        self._outdated = True
         self.background.drop()
         self._skipped.clear()
         self.sampler.reset()
@@ -196,6 +195,7 @@ class Pipeline:
 
     def close(self) -> None:
         """Let the thread that solves in the background end."""
+        self._outdated = True
         self.background.close()
 
     @property
