@@ -42,6 +42,9 @@ LONG = (
     "is_even_between",
     "area_is_that",
     "points_between_the_others",
+    "reference_on_a_hand",
+    "inside_of_a_small_solid",
+    "moves_continuously_as_the_hand_closes",
     "walk_along_each_capsule",
     "fewer_products_with_blocks",
 )
