@@ -27,7 +27,8 @@ from pacinian.solving.corrections import MAX_CORRECTIONS, MAX_ERROR_RATIO, corre
 from pacinian.solving.error_lower_bound import MAX_POINTS
 from pacinian.solving.gain_evaluation import certify, measure_felt
 from pacinian.solving.limit_enforcement import enforce_limits, enforce_pressure_limits
-from pacinian.solving.problem import Budget, Limits, Targets, check_problem
+from pacinian.solving.problem import Budget, Limits, Targets
+from pacinian.solving.problem_check import check_problem
 from pacinian.solving.propagator import Propagator
 from pacinian.solving.quiet_subspace import Preparation, call_unrecorded
 from pacinian.solving.region_phases import settle_phases

@@ -10,6 +10,6 @@ if sys.argv[1:2] == ["-m"]:
     del sys.argv[:2]
     runpy.run_module(sys.argv[0], run_name="__main__", alter_sys=True)
 else:
-    from pacinian.cli.main import main
+    from pacinian.__main__ import main
 
     main()

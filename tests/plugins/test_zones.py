@@ -386,6 +386,7 @@ def test_nine_units_keep_it_too(seed: int) -> None:
     [
         (pc.Zone((0.0, 0.0, 0.4), pressure=30.0, radius=0.1), (-0.0532, -0.0878, 0.3835)),
         (pc.Zone((0.0, -0.45, 0.5), pressure=2.0, radius=0.12), (0.0055, -0.3198, 0.4072)),
+        (pc.Zone((0.0, -0.25, 0.35), pressure=20.0, radius=0.12), (0.0065, -0.1123, 0.3255)),
     ],
 )
 def test_a_focus_at_the_edge_of_a_zone_is_not_heard_in_it(

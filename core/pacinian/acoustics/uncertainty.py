@@ -201,7 +201,7 @@ class _Problem:
         self.count = check_integer("samples", samples, low=MIN_SAMPLES)
         if self.count * max(len(self.q), len(self.g)) > MAX_VALUES:
             raise ArgumentError("samples", f"must be fewer: {self.count} of them fill the memory")
-        self.chance = np.random.default_rng(check_integer("seed", seed, low=0))
+        self.rng = np.random.default_rng(check_integer("seed", seed, low=0))
         most = NormalDist().inv_cdf(1.0 - 0.5 / self.count)  # largest of `_spread_normal`
         for change in (-most * uncertainty.temperature, most * uncertainty.temperature):
             try:
@@ -242,7 +242,7 @@ class _Problem:
         warmer = self.given.temperature * self._spread_normal()
         found: list[Floats] = []
         for k in range(self.count):
-            scatter = self.chance.standard_normal((2, len(self.g)))
+            scatter = self.rng.standard_normal((2, len(self.g)))
             g = self.g * (1.0 + self.gain * scatter[0])
             g *= np.exp(1j * self.phase * scatter[1])
             air = warm(self.air, warmer[k]) if self.given.temperature else self.air
@@ -253,7 +253,7 @@ class _Problem:
         """Return standard normal numbers, one of each equally probable interval, in random order, (samples,)."""
         from scipy.special import ndtri
 
-        return np.asarray(ndtri((self.chance.permutation(self.count) + 0.5) / self.count))
+        return np.asarray(ndtri((self.rng.permutation(self.count) + 0.5) / self.count))
 
     def _mean_square(self) -> Complexes:
         """Return the root of E|p|^2 if transducers scatter, (M,) [Pa]."""

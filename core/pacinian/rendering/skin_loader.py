@@ -15,7 +15,8 @@ if TYPE_CHECKING:
 class SkinLoader:
     """Knows the kinds of hands that a renderer has seen last.
 
-    limited: whether the pressure on skin has a limit.
+    They are those of its scenes, and not those that the process has built, so that a recording is rendered again
+    exactly. limited: whether the pressure on skin has a limit.
     """
 
     def __init__(self, *, limited: bool) -> None:

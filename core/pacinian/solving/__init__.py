@@ -4,6 +4,7 @@ The API, `Session` and `solve`, is in `pacinian/session.py`.
 
 What goes in
     problem.py            targets and their relative error; limits; budget of time
+    problem_check.py      checks the points and targets that a user gives
     quiet_zone.py         what a quiet zone is, where it may be, and its places
     propagator.py         B = propagation from transducers to points, and what is derived from it, cached
     column_groups.py      transducers with equal columns of B share one gain

@@ -369,6 +369,7 @@ def test_boards_of_one_row_are_drawn(
     pose = pc.Pose((0.1, 0.0, 0.0), turn[axis]) if axis else pc.Pose()
     board = Board(layout=Grid(columns=sides[0], rows=sides[1]), pose=pose)
     save(drawing.boards(pc.DeviceDescription((board,))), str(tmp_path / "row.png"))
+    assert (tmp_path / "row.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_boards_that_are_only_in_the_overview_are_counted(need: Any) -> None:
