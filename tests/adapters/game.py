@@ -281,7 +281,12 @@ def fill(server: Fake, game: Game, wire: BlockableLink) -> None:
     )  # commands are connected
     wire.goes.clear()
     for _ in range(HEAVY):
-        before = len(server.of(control.Reset))
         game.do("heavy rain 5000")
-        game.do("reset")
-        server.until(lambda n=before: len(server.of(control.Reset)) > n)  # type: ignore[misc]
+        await_step(server, game)
+
+
+def await_step(server: Fake, game: Game) -> None:
+    """Wait until the client's thread has sent a message to control, which is not blocked."""
+    before = len(server.of(control.Reset))
+    game.do("reset")
+    server.until(lambda: len(server.of(control.Reset)) > before)

@@ -17,7 +17,7 @@ from pacinian.wire.state import TouchState
 from ..core.client.fake_server import Fake, state, usual
 from ..waiting import PATIENCE, eventually
 from .blockable_link import BlockableLink
-from .game import HEAVY, fill
+from .game import HEAVY, await_step, fill
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -313,6 +313,8 @@ def test_what_waits_too_long_is_not_sent(
             height_of_trial += 0.001  # a move of another trial may still arrive
             asked = game.do(f"move rain 0 0 {height_of_trial:.3f}")["time"]
             game.until(lambda s, t=asked: s["time"] > t + 1.0)  # type: ignore[misc]
+            for _ in range(2):  # a step that began before that time ends with the first
+                await_step(server, game)
             wire.goes.set()
             hands = len(server.of(commands.Hands))
             game.do("wave on")  # hands are sent after all other commands

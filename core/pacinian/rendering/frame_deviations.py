@@ -68,24 +68,26 @@ class FrameDeviations:
     """Describes frames. While nothing changes, successive frames have the same description."""
 
     def __init__(self) -> None:
-        self._of: tuple[object, ...] = (None,) * 4  # arguments of the last description
+        self._of: tuple[object, ...] = (None,) * 5  # arguments of the last description
         self._last: Reasons = NOTHING
 
     def describe(
-        self, before: SolveResult, played: SolveResult, *, between: bool, held_back: bool
-    ) -> Reasons:
+        self, before: SolveResult, played: SolveResult, *, between: bool, held_back: bool, silenced: bool
+    ) -> Reasons:  # fmt: skip
         """Return what a frame leaves out or changes, if it plays `played` and the previous result was `before`.
 
         between: whether the frame is interpolated between the two results. held_back: whether the slew-rate limit
-        changed it.
+        changed it. silenced: whether it is silent, because `played` does not know a hand whose skin has a limit.
         """
-        given = before, played, between, held_back
+        given = before, played, between, held_back, silenced
         if any(now is not then for now, then in zip(given, self._of, strict=True)):
-            self._of, self._last = given, _describe(before, played, between, held_back)
+            self._of, self._last = given, _describe(*given)
         return self._last
 
 
-def _describe(before: SolveResult, played: SolveResult, between: bool, held_back: bool) -> Reasons:
+def _describe(
+    before: SolveResult, played: SolveResult, between: bool, held_back: bool, silenced: bool
+) -> Reasons:
     """Return the description of `FrameDeviations.describe`."""
     counts, short, reasons = played.sample_counts, set[CachedSolution](), set[str]()
     if between and before.solutions.samples is not played.solutions.samples:
@@ -101,6 +103,8 @@ def _describe(before: SolveResult, played: SolveResult, between: bool, held_back
             short.add(one)
     if held_back:
         reasons.add(SLEW_LIMITED)
+    if silenced:
+        reasons.add(SKIN_LIMITED)
     if played.solutions.hurried:
         reasons.add(FEWER_FRAMES)
     missed = [*_find_missed(played.solutions, short), *_find_weak_regions(played.solutions)]

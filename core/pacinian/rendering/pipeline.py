@@ -116,6 +116,7 @@ class Pipeline:
         )
         self.played = self._before = empty
         """The result that the last frame plays."""
+        self._silenced = False  # whether the last frame is silent because of a new hand
         self._taken: SolveResult | None = None  # of this tick
         self.lag = 0.0
         """Age of the last frame's scene [s]: the last tick's time minus the scene time that the frame was solved for.
@@ -213,13 +214,18 @@ class Pipeline:
         ticks, waits = self._count_ticks(t), self._may_wait(limits, solver)
         if ticks > 1 and not waits:
             self.sampler.rest_until(t - self.period)
+        silenced = self._meets_new_hand(scene)
         if waits:
             self._solve_in_background(scene, limits, solver, t, ticks)
-        else:
+        elif not (silenced and self.playback.sounds):
             self._solve_now(scene, limits, solver, t)
+        self._silenced = silenced and self._meets_new_hand(scene)
         self.lag = t - self.played.time
-        play, inputs = self.played.solutions, (self.played.solutions.samples, limits, solver)
+        play = self.played.solutions
+        inputs = play.samples, limits, solver, self._silenced
         spread = self.schedule.find_spread(ends=not len(play.samples)) if waits else 1
+        if self._silenced:
+            play, spread = play.muted, 1
         same = self.playback.follow(play, inputs, t, spread)
         self._repeated = same and not self._fresh
         if self._repeated:
@@ -228,8 +234,18 @@ class Pipeline:
         else:
             self.stages.enter("drive")
             frame = self.playback.make_frame(play, limits, inputs, t, spread, sequence, due)
-        self._monitor.watch(scene, self.played, limits, t, ticks)
+        if not self._silenced:
+            self._monitor.watch(scene, self.played, limits, t, ticks)
         return frame
+
+    def _meets_new_hand(self, scene: Scene) -> bool:
+        """Return whether the pressure on skin is limited, and what is played does not know the skin of a hand.
+
+        Such a hand may be anywhere in the field, so that the output must be silent until a solution knows it.
+        """
+        if self.solver.cycle.peak == math.inf or not self._adaptive:
+            return False
+        return not all(map(self.played.knows, scene.hands))
 
     def _count_ticks(self, t: float) -> int:
         """Return the number of ticks from the last one to that at time t [s]: 1, unless the loop has rested."""
@@ -425,6 +441,7 @@ class Pipeline:
             self.played,
             between=self.schedule.in_background,
             held_back=self.playback.modulator.held_back,
+            silenced=self._silenced,
         )
 
     def adapt_budget(self, seconds: float) -> None:

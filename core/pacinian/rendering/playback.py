@@ -72,7 +72,12 @@ class Playback:
     @property
     def silent(self) -> bool:
         """Whether the last frame is silent and all later ones will be, unless something changes."""
-        return bool(self._made) and self.modulator.steady and not self._frame.amplitude.any()
+        return bool(self._made) and self.modulator.steady and not self.sounds
+
+    @property
+    def sounds(self) -> bool:
+        """Whether the last frame sounds."""
+        return bool(self._made) and bool(self._frame.amplitude.any())
 
     def follow(
         self, play: SolutionSequence, inputs: tuple[object, ...], t: float, ticks: int

@@ -99,9 +99,9 @@ class Renderer(Closeable):
     bands, one for each frame. If transducers are at their limit, two frames render the same samples in free air
     with waves from two sides. While most solves for moving samples are late, only one frame is used. 1 disables
     cycles. peak: highest radiation pressure on the skin of the hands [Pa]; a solution that would exceed it is
-    scaled down. Without a hand, no skin is evaluated. In a cycle, single frames press more strongly than their
-    mean. `peak` also limits the target of each of these frames, but never to less than the target of the whole
-    cycle.
+    scaled down. Without a hand, no skin is evaluated. If `adaptive`, the output is silent from when a hand appears
+    until a solution knows it. In a cycle, single frames press more strongly than their mean. `peak` also limits the
+    target of each of these frames, but never to less than the target of the whole cycle.
 
     start_thread: starts the thread that solves in the background: it runs a function in a new thread of the given name.
 

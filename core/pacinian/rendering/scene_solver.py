@@ -88,7 +88,10 @@ class SceneSolver:
             )
             seconds = self._now() - begin
             stages.enter("drive")  # ends "solve"
-        return SolveResult(scene, counts, solutions, solver, fresh, pressures, at, seconds, fast)
+        hands = frozenset(skin.hand.name for skin in solves.skins)
+        return SolveResult(
+            scene, counts, solutions, solver, fresh, pressures, at, seconds, fast, hands
+        )
 
     def _note_unreachable(self, counts: SampleCounts) -> None:
         """Note the samples that no sound can reach."""

@@ -68,14 +68,14 @@ class _Summary(NamedTuple):
     """What describes an evaluated solution, to compare the next ones with it.
 
     limit: of the pressure on skin [Pa]. drive: sum of the gains' amplitudes. asked: highest target [Pa]. middle: of the
-    samples, (3,) [m]. hands: their number.
+    samples, (3,) [m]. hands: their names.
     """
 
     limit: float
     drive: float
     asked: float
     middle: Floats
-    hands: int
+    hands: frozenset[str]
 
 
 class SkinLimit:
@@ -136,7 +136,8 @@ class SkinLimit:
         contributions = np.ascontiguousarray(contributions, np.complex64)
         asked = float(samples.radiation_pressure.max(initial=0.0))
         middle = samples.positions.mean(axis=0)
-        summary = _Summary(limit, float(np.abs(contributions).sum()), asked, middle, len(skins))
+        hands = frozenset(skin.hand.name for skin in skins)
+        summary = _Summary(limit, float(np.abs(contributions).sum()), asked, middle, hands)
         if not again and self._is_like_last(summary):
             self._passed += 1
             return None

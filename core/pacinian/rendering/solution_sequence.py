@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 from pacinian.acoustics.pressure import sound_pressure
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from pacinian.plugins.solver import Solver
     from pacinian.rendering.cached_solution import CachedSolution
     from pacinian.rendering.field_steering import Motion
+    from pacinian.scene.hands.hand import Hand
     from pacinian.scene.sampling.sample_counts import SampleCounts
     from pacinian.scene.sampling.samples import Samples
     from pacinian.scene.scene import Scene
@@ -51,6 +53,12 @@ class SolutionSequence:
     missed: tuple[int, ...] = ()
     motion: Motion | None = None
 
+    @cached_property
+    def muted(self) -> SolutionSequence:
+        """The same with gains of 0, into which the output fades."""
+        rows = {one: replace(one, gains=0.0 * one.gains, contributions=None) for one in self.rows}
+        return replace(self, rows=tuple(rows[one] for one in self.rows))
+
     @property
     def played_samples(self) -> Samples | None:
         """Samples of the last solution, or of all frames of a cycle together; None without a solution."""
@@ -86,7 +94,8 @@ class SolveResult(NamedTuple):
     solver: the solver that was used. fresh: those of `solutions` that are new. sample_pressures: sound
     pressure amplitude at the played samples, as emitted where they were solved for, (M,) [Pa]; None if it is not known.
     time: scene time for which this was solved [s]. seconds: duration in the background [s]; NaN if it ran in a tick.
-    too_fast: labels of the objects whose vibration the device cannot play.
+    too_fast: labels of the objects whose vibration the device cannot play. seen_hands: names of the hands whose skin
+    was known.
     """
 
     scene: Scene
@@ -98,6 +107,13 @@ class SolveResult(NamedTuple):
     time: float = 0.0
     seconds: float = math.nan
     too_fast: tuple[str, ...] = ()
+    seen_hands: frozenset[str] = frozenset()
+
+    def knows(self, hand: Hand) -> bool:
+        """Return whether the skin of a hand was known, the hand is lost, or it was sent then as it is now."""
+        if hand.lost or hand.name in self.seen_hands:
+            return True
+        return any(hand is one or hand.same(one) for one in self.scene.hands)
 
     @property
     def tells_time(self) -> bool:

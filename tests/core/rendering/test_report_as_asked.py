@@ -179,7 +179,9 @@ def weaken(
 
 
 def describe(result: SolveResult) -> Any:
-    return FrameDeviations().describe(result, result, between=False, held_back=False)
+    return FrameDeviations().describe(
+        result, result, between=False, held_back=False, silenced=False
+    )
 
 
 @settings(max_examples=40, deadline=None)

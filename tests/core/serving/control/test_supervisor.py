@@ -597,7 +597,8 @@ class Running:
 
     @property
     def started(self) -> list[tuple[str, int, Path]]:
-        words = [line.split() for line in self.log.read_text().splitlines()]
+        complete, _, _ = self.log.read_text().rpartition("\n")
+        words = [line.split() for line in complete.splitlines()]
         return [(w[1], int(w[2]), Path(w[3])) for w in words if w[0] == "started"]
 
 

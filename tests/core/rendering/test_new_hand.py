@@ -1,0 +1,147 @@
+"""A hand that is new in the field gets no more than the pressure limit: the output is silent until it is known."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+import pacinian as pc
+from pacinian.gallery import HAND
+from pacinian.rendering.deviation_log import SKIN_LIMITED
+from pacinian.rendering.rerender import rerender
+from pacinian.testing import ManualClock
+from pacinian_plugins.backends.simulated import Simulated
+
+from .manual_background import ManualBackground, solve_beside
+from .test_background_solve import Slow
+from .test_skin_limit import AIR, CENTRE, HIGH, ONE, TOLERANCE, highest
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+TICK = 1e-3  # [s]
+LIMIT = 3.0  # [Pa]
+SILENT_AFTER = 2  # ticks in which the output fades out
+BALL = pc.Volume(
+    shape=pc.Sphere(0.02), pose=pc.Pose((*CENTRE[:2], 0.19)), radiation_pressure=4.0, name="ball"
+)
+RIGHT = HAND.transform(HIGH)
+LEFT = pc.Hand.open("left", pc.Pose((CENTRE[0], CENTRE[1] + 0.12, 0.22)))
+
+
+class Loop:
+    """A renderer whose scene and background the test controls. background: whether solves run in the background."""
+
+    def __init__(self, *hands: pc.Hand, background: bool, **settings: Any) -> None:
+        settings.setdefault("peak", LIMIT)
+        self.device = Simulated(rate=2000.0, keep=1000)
+        self.show(*hands)
+        self.renderer = pc.Renderer(
+            ONE, lambda t: self.scene, backend=self.device, clock=ManualClock(), medium=AIR, **settings
+        )  # fmt: skip
+        self.renderer.open()
+        self.ticks = 0
+        self.run(30)
+        self.background: ManualBackground | None = (
+            solve_beside(self.renderer) if background else None
+        )
+
+    def show(self, *hands: pc.Hand) -> None:
+        """Let the scene have these hands from now on."""
+        self.scene = pc.Scene((BALL,), hands=hands)
+
+    def run(self, count: int) -> list[Any]:
+        """Run ticks, and return the gains of the last row of each."""
+        made = []
+        for _ in range(count):
+            self.renderer.tick(self.ticks * TICK)
+            self.ticks += 1
+            made.append(self.device.frames[-1].gains(self.device.capability)[-1])
+        assert not self.renderer.report.faults
+        return made
+
+    def end_solve(self, *, ready: bool) -> None:
+        """Let solves in the background end from now on, or not."""
+        if self.background is not None:
+            self.background.ready = ready
+
+
+@pytest.mark.parametrize("background", [False, True])
+def test_no_place_of_a_new_hand_gets_more_than_the_limit(background: bool) -> None:
+    loop = Loop(background=background)
+    free = loop.run(1)[0]
+    assert highest(free, RIGHT, 0) > 1.3 * LIMIT, "otherwise this tests nothing"
+    loop.end_solve(ready=False)
+    loop.show(RIGHT)
+    began = loop.ticks * TICK
+    made = loop.run(10)
+    if background:
+        assert not np.any(made[SILENT_AFTER:])
+    loop.end_solve(ready=True)
+    made = made[SILENT_AFTER:] + loop.run(30)
+    for gains in made[::3]:
+        assert highest(gains, RIGHT, 0) <= LIMIT * (1.0 + TOLERANCE)
+    assert highest(made[-1], RIGHT, 0) > 0.5 * LIMIT, "it is felt again"
+    assert loop.renderer.report.deviations.totals["ball"][SKIN_LIMITED].first == pytest.approx(
+        began
+    )
+
+
+def test_a_second_hand_is_new_while_the_first_is_known() -> None:
+    loop = Loop(RIGHT, background=True)
+    assert np.any(loop.run(1))
+    loop.end_solve(ready=False)
+    loop.show(RIGHT, LEFT)
+    assert not np.any(loop.run(10)[SILENT_AFTER:])
+    loop.end_solve(ready=True)
+    assert np.any(loop.run(10)[-1])
+
+
+@pytest.mark.parametrize("background", [False, True])
+def test_hands_that_are_known_do_not_interrupt_the_output(background: bool) -> None:
+    gone = pc.Hand(np.full((26, 3), np.nan), side="right")
+    stale = pc.Hand(LEFT.joints, side="left", time=-10.0)  # the tracker no longer measures it
+    loop = Loop(RIGHT, stale, background=background)
+    assert np.any(loop.run(1))
+    loop.end_solve(ready=False)
+    for hands in [
+        (gone, stale),
+        (RIGHT, stale),
+        (RIGHT.transform(pc.Pose((0.001, 0.0, 0.0))), stale),
+        (RIGHT,),
+    ]:
+        loop.show(*hands)
+        assert all(np.any(gains) for gains in loop.run(3))
+
+
+def test_without_a_limit_a_new_hand_does_not_interrupt_the_output() -> None:
+    loop = Loop(background=True, peak=float("inf"))
+    loop.end_solve(ready=False)
+    loop.show(RIGHT)
+    assert all(np.any(gains) for gains in loop.run(10))
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_recording_with_new_hands_is_rendered_again_exactly(tmp_path: Path, seed: int) -> None:
+    chance, path = np.random.default_rng(seed), tmp_path / "run.pac"
+    scenes = [pc.Scene((BALL,), hands=hands) for hands in [(), (RIGHT,), (LEFT,), (RIGHT, LEFT)]]
+    renderer = pc.Renderer(
+        ONE,
+        lambda t: scenes[int(t / 0.03) % 4],
+        backend=Simulated(rate=2000.0),
+        clock=Slow(),
+        peak=LIMIT,
+        recorder=pc.Recorder(path),
+    )
+    with renderer:
+        background = renderer._pipeline.background = ManualBackground()
+        for k in range(120):
+            background.ready = bool(chance.random() < 0.4)
+            renderer.tick(k * TICK)
+        assert not renderer.report.faults
+        assert renderer.schedule.in_background
+    assert renderer.report.deviations.totals["ball"][SKIN_LIMITED].ticks > 5
+    found = rerender(pc.Recording(path))
+    assert (found.ticks, found.different) == (120, 0)
