@@ -121,19 +121,17 @@ def build(root: Path = ROOT, sanitize: str = "") -> list[Path]:
         return list(targets.values())
     stamp.unlink(missing_ok=True)
     extra = [f"-fsanitize={sanitize}", *SANITIZED] if sanitize else []
+    libraries = _link_libraries(folder)
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
         shared = pool.submit(
-            _compile,
-            compiler,
-            root,
-            _find_nanobind() / "src/nb_combined.cpp",
-            folder / "nanobind.o",
+            _compile, compiler, root, libraries, libraries[0] / "src/nb_combined.cpp", folder / "nanobind.o",
             # without these options, Zig would use all instructions of this machine
             [*SAFE, *compiler.list_instruction_options("")],
-        )
+        )  # fmt: skip
         objects = {
             (where, name, source): pool.submit(
-                _compile, compiler, root, root / where / source, folder / f"{where.parts[0]}{name}-{source}.o",
+                _compile, compiler, root, libraries, root / where / source,
+                folder / f"{where.parts[0]}{name}-{source}.o",
                 [*FAST, *options, *extra, f"-DMODULE={name}", *compiler.list_instruction_options(levels[name])],
             )
             for where, name in targets
@@ -162,20 +160,34 @@ def hash_sources(root: Path, compiler: Compiler) -> str:
     return made.hexdigest()
 
 
-def _find_nanobind() -> Path:
-    """Return nanobind's folder."""
+def _link_libraries(folder: Path) -> tuple[Path, Path]:
+    """Return the folders of nanobind and of NumPy's headers, as links in `folder`.
+
+    Each isolated build has its libraries at another place. By the links, a compiler cache knows their headers again.
+    Where nobody may make links, returns the folders themselves.
+    """
     import nanobind
-
-    return Path(nanobind.include_dir()).parent
-
-
-def _compile(compiler: Compiler, root: Path, source: Path, made: Path, options: list[str]) -> Path:
-    """Compile a source to the object file `made`, and return that."""
     import numpy as np
 
+    places = Path(nanobind.include_dir()).parent, Path(np.get_include())
+    links = folder / "nanobind", folder / "numpy"
+    try:
+        for link, place in zip(links, places, strict=True):
+            link.unlink(missing_ok=True)
+            link.symlink_to(place, target_is_directory=True)
+    except OSError:
+        return places
+    return links
+
+
+def _compile(
+    compiler: Compiler, root: Path, libraries: tuple[Path, Path], source: Path, made: Path, options: list[str]
+) -> Path:  # fmt: skip
+    """Compile a source to the object file `made`, and return that. libraries: from `_link_libraries`."""
+    nanobind, numpy = libraries
     includes = [
-        root / "core", root / "plugins", _find_nanobind() / "include", _find_nanobind() / "ext/robin_map/include",
-        np.get_include(), sysconfig.get_path("include"),
+        root / "core", root / "plugins", nanobind / "include", nanobind / "ext/robin_map/include", numpy,
+        sysconfig.get_path("include"),
     ]  # fmt: skip
     _run_compiler(
         [

@@ -38,6 +38,8 @@ def __getattr__(name: str) -> Any:
 def _suggest(name: str) -> str:
     if name in MODULES:
         return f": write `from pacinian import {name}` first"
+    if name.startswith("_"):  # tools look for many such names
+        return ""
     import difflib
 
     known = {known.lower().replace("_", ""): known for known in reversed(__all__)}
