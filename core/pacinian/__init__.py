@@ -11,6 +11,7 @@ gallery.py          the built-in scenes of `pacinian bench scenes`
 demo_scene.py       the scene of `pacinian demo`
 skip_reasons.py     reasons for work that is left out, as reports name them
 errors.py           every error that Pacinian raises
+region_numbers.py   region numbers of points that belong to no region
 argument_checks.py  checks of arguments
 types.py            array types
 toml_json_files.py  reads TOML and JSON files; errors name the key, and suggest the right one; JSON Schemas

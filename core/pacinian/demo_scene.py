@@ -59,7 +59,7 @@ def alternate(
                 pass
             end = clock.now()
             due += renderer.period
-            burnt.tick(end - begin, end > due)
+            burnt.count_tick(end - begin, end > due)
             if on_tick is not None:
                 on_tick(renderer.report)
         left -= part

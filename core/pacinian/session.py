@@ -72,6 +72,20 @@ class _SolveConditions(NamedTuple):
     refines: bool
 
 
+class _Request(NamedTuple):
+    """What one solve was asked for, with checked arguments.
+
+    budget: the time that it has. out: array for the gains, (N,). start: clock reading at its beginning [s].
+    """
+
+    targets: Targets
+    limits: Limits
+    solver: Solver
+    budget: Budget
+    out: Complexes
+    start: float
+
+
 class Session:
     """Solve repeatedly for one array; keeps the propagator's caches and the last solution between solves.
 
@@ -102,13 +116,11 @@ class Session:
         self.is_cancelled: Callable[[], bool] = lambda: False
         """Returns whether a solve without a deadline is to end at once, because nobody needs its result any more."""
         self.tilt = 0.0
-        """Sideways shift of the regions' waves, relative to the array's radius. Vary it to get frames that differ."""
+        """Tilt of the regions' waves: sideways shift of their foci, relative to the array's radius times d'/d (see
+        `settle_phases`). Vary it to get frames that differ."""
         self.refines = True
-        """Whether solves for regions relax the phases on skin, and make corrections.
-
-        Without a deadline, they do both. With one, they relax the phases if those of one wave need more than the array
-        can make.
-        """
+        """Whether solves for regions may relax the phases on skin and make corrections. A solve without a deadline does
+        both. One with a deadline only relaxes, and only if the phases of one wave need more than the array can make."""
         self.corrections = MAX_CORRECTIONS
         """Most solves that correct what a solve for regions has left missing; 0 for its optimum in least squares."""
         self.last: Solution | None = None
@@ -179,48 +191,46 @@ class Session:
                 "another thread solves in this session: make a Session for each thread"
             )
         try:
-            return self._solve(
-                points, amplitudes, phases, regions, facing, limits, scale, deadline, solver, out
+            start = self.clock()
+            if deadline is None:
+                budget = Budget(clock=self.clock, is_cancelled=self.is_cancelled)
+            else:
+                budget = Budget.until(deadline, self.clock)
+            if limits is None:
+                limits = FULL_DRIVE
+            else:
+                check_kind("limits", limits, Limits)
+            if facing is not None:
+                check_kind("facing", facing, SkinFacing)
+            if solver is None:
+                solver = self._solver  # other threads may set another one at any time
+            else:
+                check_kind("solver", solver, Solver)
+            q, targets = check_problem(
+                points, amplitudes, phases, scale, regions, self.propagator.origin
             )
+            out = self._check_out_array(out)
+            return self._solve(_Request(targets, limits, solver, budget, out, start), q, facing)
         finally:
             self._solving.release()
 
-    def _solve(
-        self, points: ArrayLike, amplitudes: ArrayLike, phases: ArrayLike | None, regions: ArrayLike | None,
-        facing: SkinFacing | None, limits: Limits | None, scale: str, deadline: float | None,
-        solver: Solver | None, out: Complexes | None,
-    ) -> Solution:  # fmt: skip
-        start = self.clock()
-        if deadline is None:
-            budget = Budget(clock=self.clock, is_cancelled=self.is_cancelled)
-        else:
-            budget = Budget.until(deadline, self.clock)
-        if limits is None:
-            limits = FULL_DRIVE
-        check_kind("limits", limits, Limits)
-        if facing is not None:
-            check_kind("facing", facing, SkinFacing)
-        if solver is None:
-            solver = self._solver  # other threads may set another one at any time
-        check_kind("solver", solver, Solver)
-        q, targets = check_problem(
-            points, amplitudes, phases, scale, regions, self.propagator.origin
-        )
-        out = self._check_out_array(out)
+    def _solve(self, request: _Request, q: Floats, facing: SkinFacing | None) -> Solution:
+        """Return the solution for the points q, (M, 3) [m]: that of the last solve if possible, else a new one."""
         warm, self.last = self.last, None
-        ready = self._place(q, facing, limits, budget, solver)
+        ready = self._place(q, facing, request)
         if warm is not None:
-            self.last = self._reuse(targets, limits, budget, out, start, solver)
+            self.last = self._reuse(request)
             if self.last is not None:
                 return self.last
-            warm = carry_over(self.propagator, targets, warm)
-        made = self._solve_anew(targets, limits, warm, budget, out, start, ready, solver)
-        if targets.regions is not None and budget.endless:
-            made = self._correct_regions(made, limits, budget, start, solver)
+            warm = carry_over(self.propagator, request.targets, warm)
+        made = self._solve_anew(request, warm, ready)
+        in_regions, endless = request.targets.regions is not None, request.budget.endless
+        if in_regions and endless:
+            made = self._correct_regions(request, made)
         self.last = self._base = made
-        self._hurried = targets.regions is not None and not budget.endless
-        self._choose_phases(made, budget)
-        self._base_conditions = self._make_conditions(solver, limits)
+        self._hurried = in_regions and not endless
+        self._choose_phases(made, request.budget)
+        self._base_conditions = self._make_conditions(request)
         return self.last
 
     def forget(self) -> None:
@@ -254,26 +264,25 @@ class Session:
         """Return `solution`, the last one, with `felt` filled in and a status that also holds between the points."""
         return measure_felt(self.propagator, solution)
 
-    def _place(
-        self, q: Floats, facing: SkinFacing | None, limits: Limits, budget: Budget, solver: Solver
-    ) -> bool:
+    def _place(self, q: Floats, facing: SkinFacing | None, request: _Request) -> bool:
         """Pass the points and the quiet points (which are in the free field) to the propagators.
 
         Returns whether the quiet zones are prepared.
         """
+        limits, solver = request.limits, request.solver
         if limits.solver_limits and (unkept := limits.solver_limits - solver.keeps):
             raise UnsupportedLimit(solver.name, min(unkept))
         if limits.exact is not None:
-            limits.exact_mask(len(q))
+            limits.make_exact_mask(len(q))
         propagator = self.propagator
         quiet = None if limits.quiet is None else np.asarray(limits.quiet[0], np.float64)
         if quiet is not None:
             check_near("limits.quiet[0]", quiet, propagator.origin)
         quiet_subspace = None
         if limits.zones:
-            rms = limits.rms(len(self.array))
+            rms = limits.compute_max_rms(len(self.array))
             quiet_subspace = self._zones.get(
-                self.array, self.medium, limits.zones, rms, budget, self.note
+                self.array, self.medium, limits.zones, rms, request.budget, self.note
             )
         propagator.keep_quiet(quiet_subspace)
         propagator.set_points(q, facing)
@@ -289,25 +298,25 @@ class Session:
                 propagator.version += 1
         return quiet_subspace is not None or not limits.zones
 
-    def _make_conditions(self, solver: Solver, limits: Limits) -> _SolveConditions:
-        return _SolveConditions(solver, limits, self.propagator.version, self.tilt, self.refines)
+    def _make_conditions(self, request: _Request) -> _SolveConditions:
+        version = self.propagator.version
+        return _SolveConditions(request.solver, request.limits, version, self.tilt, self.refines)
 
-    def _reuse(
-        self, targets: Targets, limits: Limits, budget: Budget, out: Complexes, start: float, solver: Solver
-    ) -> Solution | None:  # fmt: skip
+    def _reuse(self, request: _Request) -> Solution | None:
         """Return the last solved solution, scaled; None if it must be solved again."""
         base, work = self._base, self.propagator.work
-        if base is None or self.unsettled or (self._hurried and budget.endless):
+        if base is None or self.unsettled or (self._hurried and request.budget.endless):
             return None
-        if self._base_conditions != self._make_conditions(solver, limits):
+        if self._base_conditions != self._make_conditions(request):
             return None
-        c = find_multiple(base, self._work, targets, limits, linear=solver.linear)
+        targets, out, linear = request.targets, request.out, request.solver.linear
+        c = find_multiple(base, self._work, targets, request.limits, linear=linear)
         if c is None:
             return None
         work.solutions_kept += c == 1.0
         work.solutions_scaled += c != 1.0
         np.multiply(self._work, c, out=out, casting="unsafe")
-        return scale_solution(base, c, out, targets, self.clock() - start)
+        return scale_solution(base, c, out, targets, self.clock() - request.start)
 
     def _choose_phases(self, made: Solution, budget: Budget) -> None:
         """Decide from the last solution whether the next solves with a deadline relax the phases on skin.
@@ -326,21 +335,18 @@ class Session:
             self._relaxes = self._relaxes or force < MIN_FORCE_OF_WAVE * asked
         self.unsettled = self._relaxes and not before
 
-    def _solve_anew(
-        self, targets: Targets, limits: Limits, warm: Solution | None, budget: Budget,
-        out: Complexes, start: float, ready: bool, solver: Solver,
-    ) -> Solution:  # fmt: skip
-        """Return a new solution; zero gains if the quiet zones are not ready."""
+    def _solve_anew(self, request: _Request, warm: Solution | None, ready: bool) -> Solution:
+        """Return a new solution; zero gains if the quiet zones are not ready. warm: a solution to start from."""
+        targets, limits, solver, budget, out, start = request
         propagator = self.propagator
         if targets.scale == "max" and limits.gain is None and limits.power is None:
             raise ArgumentError("scale", '"max" needs a limit: give limits.gain or limits.power')
         g = self._work  # not `out`, which may hold the gains of `warm`
         version, result, asked = propagator.version, SILENCE if ready else PREPARING_ZONES, targets
         propagator.work.solved += 1
-        made = (
-            self._solver_gains.view()
-        )  # not `g`: a plug-in may keep what it gets, and change its flags
-        made[:] = 0.0
+        # not `g`: a plug-in may keep what it gets, and change its flags
+        solver_gains = cast("Gains", self._solver_gains.view())
+        solver_gains[:] = 0.0
         if targets.norm and ready:
             if targets.regions is not None:
                 relax, keep = self.refines and (budget.endless or self._relaxes), False
@@ -352,14 +358,14 @@ class Session:
                     keep = same and before.tilt == self.tilt and not budget.endless
                 asked = settle_phases(propagator, targets, warm, self.tilt, relax=relax, keep=keep)
             with limit_blas_threads(len(targets.amplitudes) * len(g)):
-                result = solver.solve(propagator, asked, limits, warm, budget, cast("Gains", made))
+                result = solver.solve(propagator, asked, limits, warm, budget, solver_gains)
         check_kind(f"{solver.name}.solve(...)", result, Result)
         result = result.check(solver.name, len(targets.amplitudes))
         if propagator.version != version:
             raise PluginError(f"solver {solver.name!r} has moved the points")
-        if made.shape != g.shape or made.dtype != g.dtype:
+        if solver_gains.shape != g.shape or solver_gains.dtype != g.dtype:
             raise PluginError(f"solver {solver.name!r} has changed the shape or type of its output")
-        g[:] = made
+        g[:] = solver_gains
         points = propagator.points.copy()
         points.flags.writeable = False
         finite, scaled = enforce_limits(
@@ -399,15 +405,13 @@ class Session:
             facing=propagator.facing,
         )  # fmt: skip
 
-    def _correct_regions(
-        self, first: Solution, limits: Limits, budget: Budget, start: float, solver: Solver
-    ) -> Solution:
+    def _correct_regions(self, request: _Request, first: Solution) -> Solution:
         """Return `first` with gains that make up for what the regularisation leaves missing in regions (decision 69).
 
         The phases, the multipliers and the bound are those of `first`. Its gains stay if no correction comes clearly
         nearer to the targets.
         """
-        targets = first.targets
+        targets, limits = request.targets, request.limits
         free = targets.scale == "exact" and not (limits.couples_gains or limits.zones)
         if not free or math.isnan(first.mu) or first.late:
             return first
@@ -415,14 +419,13 @@ class Session:
         asked, best, error = targets.amplitudes, first, first.error
         iterations = first.iterations
         for _ in range(self.corrections if self.refines else 0):
-            if budget.is_cancelled():
+            if request.budget.is_cancelled():
                 break
             asked = correct_amplitudes(asked, targets.amplitudes, best.sound_pressure)
             kept, gains = self._work.copy(), np.empty_like(first.gains)
-            made = self._solve_anew(
-                dataclasses.replace(targets, amplitudes=asked, phases=first.asked_phases),
-                limits, best, budget, gains, start, True, solver,
-            )  # fmt: skip
+            corrected = dataclasses.replace(targets, amplitudes=asked, phases=first.asked_phases)
+            again = request._replace(targets=corrected, out=gains)
+            made = self._solve_anew(again, best, ready=True)
             iterations += made.iterations
             miss = targets.relative_error(made.sound_pressure)
             if not miss < MAX_ERROR_RATIO * error:
@@ -444,7 +447,7 @@ class Session:
             ),
             iterations=iterations,
             objective=compute_objective(weighed, p, self._work, first.mu, first.quiet_weight),
-            seconds=self.clock() - start,
+            seconds=self.clock() - request.start,
         )  # fmt: skip
 
     def _check_out_array(self, out: Complexes | None) -> Complexes:

@@ -31,7 +31,7 @@ def test_what_smooth_output_costs(benchmark: Any, N: int, K: int) -> None:
     fading, aligned, rounding = measure_medians(
         lambda: limited.follow(next(gains), seconds, out),
         lambda: free.follow(next(gains), seconds, out),
-        lambda: quantiser.frame(out, 1.0, 0, 0.0),
+        lambda: quantiser.make_frame(out, 1.0, 0, 0.0),
         repeats=2000,
     )
     assert free.settled

@@ -9,7 +9,7 @@ from msgspec.structs import replace
 
 import pacinian as pc
 from pacinian.wire.connection_file import Connection
-from pacinian_lab.server.faults.misbehaving_client import Peer
+from pacinian_lab.server.faults.misbehaving_client import MisbehavingClient
 
 from ..waiting import PATIENCE, eventually
 from .game import POINT, Game
@@ -17,8 +17,8 @@ from .game import POINT, Game
 
 def test_a_server_that_is_killed_and_restarted(game: Game) -> None:
     server, client, before = game.server, game.client, Connection.read(game.server.file)
-    with Peer(server.file) as peer:
-        session = peer.hello(PATIENCE)["session"]
+    with MisbehavingClient(server.file) as bare:
+        session = bare.hello(PATIENCE)["session"]
     server.signal("control", signal.SIGKILL)
     eventually(lambda: not server.list_running())
     with pytest.raises(pc.ConnectionLost):
@@ -35,9 +35,9 @@ def test_a_server_that_is_killed_and_restarted(game: Game) -> None:
     assert not server.log.read(mark)["sounds"].any()
     game.sound()
     assert client.status().owner
-    with Peer(server.file) as peer:
-        peer.session = session
-        assert peer.ask("status", PATIENCE)["code"] == "session"
+    with MisbehavingClient(server.file) as bare:
+        bare.session = session
+        assert bare.ask("status", PATIENCE)["code"] == "session"
     with pytest.raises(pc.ConnectionLost, match="token"):
         pc.Client(replace(Connection.read(server.file), token=before.token))
     assert before.token not in server.read_output()

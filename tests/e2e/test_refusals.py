@@ -8,7 +8,7 @@ import pytest
 import zmq
 
 from pacinian.wire.connection_file import Connection
-from pacinian_lab.server.faults.misbehaving_client import Peer
+from pacinian_lab.server.faults.misbehaving_client import MisbehavingClient
 from pacinian_lab.server.fuzz.mutations import encode
 from pacinian_lab.server.fuzz.packets import PLAIN, encode_greeting, frame, throw
 
@@ -26,7 +26,10 @@ STOP = encode({"type": "stop", "id": 1})
 def test_strangers_get_through_no_socket_and_are_logged(
     server: Server, token: str, whys: set[str]
 ) -> None:
-    with Peer(server.file, token=token) as stranger, Peer(server.file) as known:
+    with (
+        MisbehavingClient(server.file, token=token) as stranger,
+        MisbehavingClient(server.file) as known,
+    ):
         with stranger.context.socket(zmq.SUB) as state:
             state.linger = 0
             state.subscribe(b"")
@@ -50,6 +53,6 @@ def test_raw_bytes_of_strangers_stop_nothing(server: Server) -> None:
             PLAIN + frame(STOP),
         ):
             throw(address, data)
-    with Peer(server.file) as peer:
-        peer.hello(PATIENCE)
-        assert peer.ask("status", PATIENCE)["output"] == "silent"
+    with MisbehavingClient(server.file) as client:
+        client.hello(PATIENCE)
+        assert client.ask("status", PATIENCE)["output"] == "silent"

@@ -10,7 +10,7 @@ from pacinian.testing import ManualClock
 def test_a_terminal_gets_a_bar_on_standard_error(capsys: pytest.CaptureFixture[str]) -> None:
     with progress("a ball", 2.0) as on_tick:
         report = pc.Report()
-        report.tick(1e-3, late=True)
+        report.count_tick(1e-3, late=True)
         on_tick(report)
     told = capsys.readouterr()
     assert not told.out
@@ -46,7 +46,7 @@ def test_it_is_drawn_now_and_then_only(kept: list[Kept]) -> None:
     with progress("a ball", 2.0, clock.now) as on_tick:
         for _ in range(1999):
             clock.advance(1e-3)
-            report.tick(1e-4, late=False)
+            report.count_tick(1e-4, late=False)
             on_tick(report)
     (bar,) = kept
     assert 3 <= len(bar.shown) <= 5

@@ -57,9 +57,9 @@ def felt(scene: pc.Scene) -> pc.Samples:
 def report() -> pc.Report:
     made = pc.Report()
     for k in range(100):
-        made.tick(1e-5 * k, late=k == 7)
+        made.count_tick(1e-5 * k, late=k == 7)
     error = ValueError(EVIL)
-    made.fault(pc.Fault(3, "solve", f"ValueError: {EVIL}", error))
+    made.count_fault(pc.Fault(3, "solve", f"ValueError: {EVIL}", error))
     made.skipped["solve, nothing moved"] = 5
     return made
 

@@ -124,8 +124,8 @@ def url(server: Running, folder: Path, patient: None) -> Iterator[str]:
 def patient() -> Iterator[None]:
     """Compute fields without low priority, and lose no server or page that stops for a moment."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(slices, "CALM", 0)
-        patch.setattr(states, "SILENT", LIMIT)
+        patch.setattr(slices, "FIELD_NICENESS", 0)
+        patch.setattr(states, "MAX_STATE_AGE", LIMIT)
         patch.setattr(demonstration, "QUIET", LIMIT)
         for call in (ReconnectingClient.__init__, emergency_stop):
             patch.setitem(call.__kwdefaults__, "timeout", LIMIT)

@@ -75,7 +75,7 @@ class Game:
 @contextmanager
 def open_viewer(safety: Safety, size: tuple[int, int]) -> Iterator[tuple[Running, Seen]]:
     """Start a server of nine units, and a viewer in a browser window of this size [px]."""
-    slices.CALM = 0  # compute fields even if the machine is busy
+    slices.FIELD_NICENESS = 0  # compute fields even if the machine is busy
     with (
         run_server(Settings(array=Units(3, 3), safety=safety)) as server,
         viewer(server.connection) as url,

@@ -163,10 +163,10 @@ def test_a_server_that_publishes_nothing_any_more_is_lost(
 ) -> None:
     with Page(url) as page:
         page.next("state")
-        monkeypatch.setattr(states, "SILENT", 0.1)
+        monkeypatch.setattr(states, "MAX_STATE_AGE", 0.1)
         fake.stream = None
         assert "has published no state" in page.next("lost")["reason"]
-        monkeypatch.setattr(states, "SILENT", LIMIT)
+        monkeypatch.setattr(states, "MAX_STATE_AGE", LIMIT)
         fake.stream = state
         page.next("array")
         page.next("state")

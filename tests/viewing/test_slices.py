@@ -104,7 +104,7 @@ def workers() -> list[psutil.Process]:
 
 @pytest.fixture
 def fields(monkeypatch: pytest.MonkeyPatch) -> Iterator[FieldWorker]:
-    monkeypatch.setattr(slices, "CALM", 1)  # so that no test waits for an idle machine
+    monkeypatch.setattr(slices, "FIELD_NICENESS", 1)  # so that no test waits for an idle machine
     made = FieldWorker()
     yield made
     made.close()

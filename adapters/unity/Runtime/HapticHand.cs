@@ -14,8 +14,8 @@ namespace Pacinian.Haptics
         /// <summary>The number of OpenXR's joints.</summary>
         public const int Count = 26;
 
-        private const double Longest = 0.1; // [s] longest time between two frames of one movement
-        private const double Fastest = 10.0; // [m/s]
+        private const double MaxStepTime = 0.1; // [s] longest time between two frames of one movement
+        private const double MaxSpeed = 10.0; // [m/s]
 
         internal static readonly List<HapticHand> All = new List<HapticHand>();
 
@@ -160,10 +160,10 @@ namespace Pacinian.Haptics
         private void WriteVelocity(Vec3 middle, double now)
         {
             double step = now - _time;
-            if (predictMotion && Tracked && _followed && step > 0.0 && step < Longest)
+            if (predictMotion && Tracked && _followed && step > 0.0 && step < MaxStepTime)
             {
                 Vec3 velocity = (1.0 / step) * (middle - _middle);
-                if (velocity.Length < Fastest)
+                if (velocity.Length < MaxSpeed)
                 {
                     _frame.Velocities.Add(velocity);
                 }

@@ -8,11 +8,11 @@ namespace Pacinian.Haptics
     /// </summary>
     internal struct MotionTracker
     {
-        private const double Still = 1e-6; // [m] shortest way that is sent
-        private const double Unturned = 1e-5; // [rad] smallest turn that is sent
+        private const double MinMove = 1e-6; // [m] shortest way that is sent
+        private const double MinTurn = 1e-5; // [rad] smallest turn that is sent
 
-        private const double Longest = 0.2; // [s] longest time between two poses of one movement
-        private const double Fastest = 10.0; // [m/s], and times 5 [rad/s]; faster is a jump
+        private const double MaxStepTime = 0.2; // [s] longest time between two poses of one movement
+        private const double MaxSpeed = 10.0; // [m/s], and times 5 [rad/s]; faster is a jump
 
         private Rigid _pose;
         private double _time;
@@ -33,14 +33,14 @@ namespace Pacinian.Haptics
             movement = new Movement(pose.Position, pose.Rotation);
             Vec3 way = pose.Position - _pose.Position;
             Vec3 turn = _known ? Turn(_pose.Rotation, pose.Rotation) : new Vec3();
-            bool same = _known && way.Length <= Still && turn.Length <= Unturned;
+            bool same = _known && way.Length <= MinMove && turn.Length <= MinTurn;
             bool tell = !same || _moving;
             double step = now - _time;
-            if (tell && _known && step > 0.0 && step < Longest)
+            if (tell && _known && step > 0.0 && step < MaxStepTime)
             {
                 movement.Velocity = (1.0 / step) * way;
                 movement.AngularVelocity = (1.0 / step) * turn;
-                movement.Moving = movement.Velocity.Length < Fastest && movement.AngularVelocity.Length < 5.0 * Fastest;
+                movement.Moving = movement.Velocity.Length < MaxSpeed && movement.AngularVelocity.Length < 5.0 * MaxSpeed;
             }
             if (!movement.Moving)
             {

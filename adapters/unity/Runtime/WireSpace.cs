@@ -40,8 +40,9 @@ namespace Pacinian.Haptics
         /// <summary>Returns whether the wire accepts a position: finite, and at most 10 m along each axis.</summary>
         public static bool IsInRange(Vec3 v)
         {
-            const double Farthest = 10.0;
-            return System.Math.Abs(v.X) <= Farthest && System.Math.Abs(v.Y) <= Farthest && System.Math.Abs(v.Z) <= Farthest;
+            const double MaxCoordinate = 10.0;
+            return System.Math.Abs(v.X) <= MaxCoordinate && System.Math.Abs(v.Y) <= MaxCoordinate
+                && System.Math.Abs(v.Z) <= MaxCoordinate;
         }
     }
 }

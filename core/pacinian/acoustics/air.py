@@ -9,9 +9,9 @@ from dataclasses import InitVar, dataclass, field
 from pacinian.argument_checks import check_number
 from pacinian.errors import ArgumentError
 
-GAS = 8.314462618  # [J/(mol K)]
-DRY_AIR = 0.0289647  # [kg/mol]
-WATER = 0.01801528  # [kg/mol]
+GAS_CONSTANT = 8.314462618  # [J/(mol K)]
+MOLAR_MASS_DRY_AIR = 0.0289647  # [kg/mol]
+MOLAR_MASS_WATER = 0.01801528  # [kg/mol]
 ATMOSPHERE = 101_325.0  # [Pa]
 ROOM_TEMPERATURE = 22.0  # default temperature, of a heated or cooled room (19 to 25) [degC]
 HUMIDITY = 0.5  # default relative humidity, of such a room
@@ -150,7 +150,8 @@ def _ideal_gas(temperature: float, humidity: float, ambient_pressure: float) -> 
         raise ArgumentError(
             "humidity", f"of {humidity:g} at {temperature:g} degC boils at {ambient_pressure:g} Pa"
         )
-    mass = (1.0 - x) * DRY_AIR + x * WATER  # [kg/mol]
+    mass = (1.0 - x) * MOLAR_MASS_DRY_AIR + x * MOLAR_MASS_WATER  # [kg/mol]
     capacity = (1.0 - x) * 3.5 + x * 4.0  # Cp / R
     gamma = capacity / (capacity - 1.0)
-    return math.sqrt(gamma * GAS * kelvin / mass), ambient_pressure * mass / (GAS * kelvin)
+    density = ambient_pressure * mass / (GAS_CONSTANT * kelvin)
+    return math.sqrt(gamma * GAS_CONSTANT * kelvin / mass), density

@@ -27,7 +27,7 @@ import numpy as np
 
 from pacinian.acoustics.array import Array
 from pacinian.acoustics.directivity import omni
-from pacinian.acoustics.pressure import SKIN, radiation_pressure
+from pacinian.acoustics.pressure import ALPHA_SKIN, radiation_pressure
 from pacinian.acoustics.propagation import check_medium, field
 from pacinian.argument_checks import check_kind, check_near, check_number, check_numbers
 from pacinian.errors import ArgumentError
@@ -111,7 +111,7 @@ def differentiate_radiation_pressure(
     points: ArrayLike,
     medium: Air,
     *,
-    alpha: float = SKIN,
+    alpha: float = ALPHA_SKIN,
 ) -> Gradient[Floats]:
     """Return the radiation pressure P = alpha |p|^2 / (2 rho c^2) at M points, with its derivatives.
 

@@ -13,11 +13,11 @@ from pacinian.errors import ArgumentError
 if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Floats
 
-SKIN = 2.0  # alpha for skin, or any liquid or solid, which reflect nearly all of the sound
-REFERENCE = 20e-6  # RMS sound pressure at a sound pressure level of 0 dB [Pa]
+ALPHA_SKIN = 2.0  # alpha for skin, or any liquid or solid, which reflect nearly all of the sound
+REFERENCE_PRESSURE = 20e-6  # RMS sound pressure at a sound pressure level of 0 dB [Pa]
 
 
-def radiation_pressure(p: ArrayLike, medium: Air, alpha: float = SKIN) -> Floats:
+def radiation_pressure(p: ArrayLike, medium: Air, alpha: float = ALPHA_SKIN) -> Floats:
     """Return the radiation pressure P = alpha p_rms^2 / (rho c^2) [Pa], the paper's equation (1).
 
     p: sound pressure, complex or peak amplitude [Pa], any shape; p_rms = |p| / sqrt(2).
@@ -30,7 +30,7 @@ def radiation_pressure(p: ArrayLike, medium: Air, alpha: float = SKIN) -> Floats
     return np.asarray(alpha * rms2 / (medium.density * medium.speed_of_sound**2))
 
 
-def sound_pressure(radiation_pressure: ArrayLike, medium: Air, alpha: float = SKIN) -> Floats:
+def sound_pressure(radiation_pressure: ArrayLike, medium: Air, alpha: float = ALPHA_SKIN) -> Floats:
     """Return the peak sound pressure amplitude |p| [Pa] for a radiation pressure; the inverse of equation (1).
 
     radiation_pressure: [Pa], not negative, any shape. medium: provides rho and c. alpha: about 2 on skin.
@@ -50,7 +50,7 @@ def sound_pressure(radiation_pressure: ArrayLike, medium: Air, alpha: float = SK
 def sound_pressure_level(p: ArrayLike) -> Floats:
     """Return the sound pressure level [dB re 20 uPa RMS]; -inf for silence. p: complex or peak amplitude [Pa]."""
     with np.errstate(divide="ignore"):
-        return np.asarray(20.0 * np.log10(_amplitude(p) / np.sqrt(2.0) / REFERENCE))
+        return np.asarray(20.0 * np.log10(_amplitude(p) / np.sqrt(2.0) / REFERENCE_PRESSURE))
 
 
 def _amplitude(p: ArrayLike) -> Floats:

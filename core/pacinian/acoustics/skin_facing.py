@@ -138,15 +138,24 @@ class SkinFacing:
         return np.where(self.normals.any(axis=1, keepdims=True), np.maximum(cosine, 0.0), 1.0)
 
     def _compute_transmission(self, points: Floats, positions: Floats) -> Floats:
-        """Return s, (M, N), the product of the fractions that the capsules let through."""
-        d = positions - points[:, None]  # (M, N, 3) [m]
-        s = np.ones(d.shape[:2])
+        """Return s, (M, N), the product of the fractions that the capsules let through, for sound from the front."""
+        s = np.ones((len(points), len(positions)))
         for capsule in self.capsules:
+            above = np.flatnonzero(
+                self._under(capsule[None], points)
+            )  # others are in no sound's way
+            if not len(above):
+                continue
+            q = points[above]
             a, b, r, grows = capsule[:3], capsule[3:6], capsule[6], capsule[7] - capsule[6]
-            w, e = (points - a)[:, None], b - a  # (M, 1, 3), (3,) [m]
+            w, e, d = (
+                (q - a)[:, None],
+                b - a,
+                positions - q[:, None],
+            )  # (K, 1, 3), (3,), (K, N, 3) [m]
             inside = np.maximum(_depth(w, np.zeros_like(w), e, r, grows), 0.0)
             deep = (_depth(w, d, e, r, grows) - inside) / self.edge
-            s *= smoothstep(1.0 - deep)
+            s[above] *= smoothstep(1.0 - deep)
         return s
 
 
@@ -175,7 +184,7 @@ def _depth(w: Floats, d: Floats, e: Floats, r: float, grows: float) -> Floats:
     one end of the path is the deepest point.
     """
     ee, dd, de = float(e @ e), (d * d).sum(axis=2), d @ e
-    dw, we = (d * w).sum(axis=2), w @ e
+    ww, dw, we = (w * w).sum(axis=2), (d * w).sum(axis=2), w @ e
     inverse = 1.0 / np.maximum(dd, MIN_DIVISOR)
 
     def along(t: Floats) -> Floats:
@@ -183,9 +192,9 @@ def _depth(w: Floats, d: Floats, e: Floats, r: float, grows: float) -> Floats:
         return np.asarray((t * de - dw) * inverse)
 
     def away(t: Floats, s: Floats) -> Floats:
-        """Return the distance of t e from w + s d."""
-        gap = w + s[..., None] * d - t[..., None] * e
-        return np.asarray(np.sqrt((gap * gap).sum(axis=2)))
+        """Return the distance of t e from w + s d, correct to some nanometres."""
+        square = ww + s * (s * dd + 2.0 * dw) + t * (t * ee - 2.0 * (we + s * de))
+        return np.asarray(np.sqrt(np.maximum(square, 0.0)))
 
     def deepest(t: Floats, s: Floats, across: Floats) -> Floats:
         """Return the deepest t, if t e is nearest to w + s d. across: |e|^2 minus the part along the path."""

@@ -26,7 +26,7 @@ import numpy as np
 
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.array import Array
-from pacinian.acoustics.pressure import SKIN, radiation_pressure
+from pacinian.acoustics.pressure import ALPHA_SKIN, radiation_pressure
 from pacinian.acoustics.propagation import check_medium, field, matrix
 from pacinian.argument_checks import (
     check_integer,
@@ -130,7 +130,7 @@ def predict_radiation_pressure(
     uncertainty: Uncertainty,
     medium: Air,
     *,
-    alpha: float = SKIN,
+    alpha: float = ALPHA_SKIN,
     confidence: float = 0.95,
     samples: int = 2000,
     seed: int = 0,
@@ -153,7 +153,7 @@ def predict_force(
     uncertainty: Uncertainty,
     medium: Air,
     *,
-    alpha: float = SKIN,
+    alpha: float = ALPHA_SKIN,
     confidence: float = 0.95,
     samples: int = 2000,
     seed: int = 0,

@@ -1,4 +1,7 @@
-"""`pacinian.Client`: lets a game or a script render its scene on a server's array."""
+"""`pacinian.Client`: lets a game or a script render its scene on a server's array.
+
+The default time limit of a reply is in reconnecting_client.py.
+"""
 
 from __future__ import annotations
 

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 MAX_FRESH_AGE = 0.05  # age below which a state is fresh [s]
-SETTLE = 0.005  # time to wait for more states [s]
-PASSES = 50
+SETTLING_TIME = 0.005  # time to wait for more states [s]
+MAX_READS = 50  # largest number of states read in one call
 
 
 def read_newest(socket: zmq.Socket[bytes], age: Callable[[State], float]) -> State | None:
@@ -29,14 +29,14 @@ def read_newest(socket: zmq.Socket[bytes], age: Callable[[State], float]) -> Sta
     """
     found: State | None = None
     wait = 0.0
-    for _ in range(PASSES):
+    for _ in range(MAX_READS):
         if not socket.poll(milliseconds(wait)):
             break
         state = decode_state(_last(socket))
         found = state if isinstance(state, State) else found
         if found is not None and age(found) < MAX_FRESH_AGE:
             break
-        wait = SETTLE
+        wait = SETTLING_TIME
     return found
 
 

@@ -2,6 +2,7 @@
 
 The loop
     renderer.py               the API: `Renderer`, its options and defaults; a tick never raises
+    loop_settings.py          settings of the loop that do not change while it runs
     pipeline.py               one tick: starts solves in it or in the background, and takes their results
     tick_pacing.py            when ticks are due, and which are skipped when the loop is late
     clock.py                  the clock, which tests replace

@@ -137,6 +137,12 @@ def mark(objects: Reasons, labels: Iterable[str], reason: str, count: int = 1) -
     return made
 
 
+def mark_lateness(objects: Reasons, labels: Iterable[str], *, late: bool, missed: int) -> Reasons:
+    """Return the deviations of a tick, and that it is late, and that `missed` ticks before it were skipped."""
+    objects = mark(objects, labels, LATE) if late else objects
+    return mark(objects, labels, MISSED, missed) if missed else objects
+
+
 def describe_totals(reasons: Mapping[str, Total]) -> str:
     """Describe the deviations of one object in words."""
     parts: list[str] = []

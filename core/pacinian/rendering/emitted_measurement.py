@@ -9,9 +9,9 @@ import numpy as np
 
 from pacinian.acoustics.pressure import sound_pressure
 from pacinian.acoustics.skin_facing import SkinFacing
+from pacinian.region_numbers import BESIDE
 from pacinian.rendering.reachability import ReachabilityFilter
 from pacinian.scene.sampling.sample_counts import label_object
-from pacinian.scene.sampling.samples import BESIDE
 from pacinian.scene.sampling.touched_skin import stays_on_skin
 from pacinian.solving.felt_regions import FeltPlaces, FeltSums
 from pacinian.solving.problem import Targets
@@ -33,7 +33,7 @@ class Probe:
     def __init__(self, session: Session) -> None:
         self._propagator = Propagator(session.array, session.medium)
         self._reach = ReachabilityFilter(self._propagator)
-        self._chance = np.random.default_rng(0)
+        self._rng = np.random.default_rng(0)
         # Copies of the last input of `compute_pressures`.
         self._asked: tuple[Floats | Gains, ...] = ()
         self._heard: Floats = np.empty(0)
@@ -57,7 +57,7 @@ class Probe:
         if not rest.any():
             return found
         places = FeltPlaces.random_places(
-            samples.positions, targets, facing, PLACES, self._chance, rest
+            samples.positions, targets, facing, PLACES, self._rng, rest
         )
         every = places.sums(self._measure(places.points, places.facing, gains))
         for number in np.unique(regions[rest]).tolist():
@@ -90,7 +90,7 @@ class Probe:
 
         targets: of the samples. gains: as for `measure_between`.
         """
-        some = self._chance.permutation(len(samples))[:SAMPLES]
+        some = self._rng.permutation(len(samples))[:SAMPLES]
         p = self._measure(samples.positions[some], None, gains)
         return Targets.make_unchecked(targets.amplitudes[some]).relative_error(p)
 

@@ -42,7 +42,7 @@ class FailSafeOutput:
         except Exception as error:
             fault = Fault(report.ticks, self._stages.stage, describe_error(error), error)
             if self.halted is None or fault.stage != "silence":
-                report.fault(fault)
+                report.count_fault(fault)
             self.halted = self.halted or fault
             if stage != "silence":
                 self.silence()

@@ -15,6 +15,7 @@ from pacinian.rendering.measurement_schedule import (
     Measurement,
     MeasurementSchedule,
 )
+from pacinian.rendering.solution_sequence import RISEN_FROM
 from pacinian.scene.sampling.sampler import Sampler
 
 if TYPE_CHECKING:
@@ -31,7 +32,6 @@ if TYPE_CHECKING:
 
 # Smallest distance of a place beside a contact from the samples of objects that are not measured with it [m].
 MIN_DISTANCE_TO_OTHERS = 0.015
-RISEN_FROM = 0.99  # share of the force asked for from which ramps count as ended
 
 
 class _Moment(NamedTuple):

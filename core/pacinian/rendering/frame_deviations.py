@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from pacinian.acoustics.pressure import radiation_pressure
+from pacinian.region_numbers import ISOLATED
 from pacinian.rendering.cached_solution import CachedSolution
 from pacinian.rendering.deviation_log import (
     AVERAGED,
@@ -27,8 +28,8 @@ from pacinian.rendering.deviation_log import (
     WEAKENED,
     mark,
 )
+from pacinian.rendering.solution_sequence import RISEN_FROM
 from pacinian.scene.sampling.sample_counts import FAINT, TOO_FAST, label_object
-from pacinian.scene.sampling.samples import ISOLATED
 from pacinian.solving.felt_regions import MIN_FELT_SHARE
 
 if TYPE_CHECKING:
@@ -48,7 +49,6 @@ MAX_LOST_FORCE = 0.015
 MAX_MISSING_FORCE = 0.03  # by how much the whole force of a region may be too low
 # Value of MAX_LOST_FORCE while pressures rise from silence, for some milliseconds: the first solves are less even.
 MAX_LOST_WHILE_RISING = 0.05
-RISEN_FROM = 0.99  # share of an object's full force from which it no longer rises
 
 
 class _Loss(NamedTuple):

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from pacinian.solving.felt_regions import FeltSums
 
 TICKS_PER_MEASUREMENT = 64  # smallest number of ticks between measurements of the emitted field
-# Largest number of ticks that are added by chance, so that measurements are made at all moments between two solutions.
+# Largest random number of additional ticks, so that measurements fall at all moments between two solutions.
 MAX_DELAY = 16
 # Number of ticks from silence, and from the end of the ramps that follow it, to the first measurement: the first solves
 # have more time, and all frames of a cycle are solved for the full pressures.
@@ -41,7 +41,7 @@ class MeasurementSchedule:
     def __init__(self, first: int = TICKS_TO_FIRST_MEASUREMENT) -> None:
         self._wait = first  # ticks until the next measurement
         self._ramp_ticks = MAX_RAMP_TICKS  # ticks for which ramps may still delay it
-        self._chance = np.random.default_rng(0)
+        self._rng = np.random.default_rng(0)
         self._measured: SolutionSequence | None = None
         self._measurements = 0  # at these solutions
 
@@ -73,7 +73,7 @@ class MeasurementSchedule:
             return False
         self._measurements = self._measurements + 1 if rests else 1
         self._ramp_ticks = 0
-        self._wait = TICKS_PER_MEASUREMENT + int(self._chance.integers(MAX_DELAY))
+        self._wait = TICKS_PER_MEASUREMENT + int(self._rng.integers(MAX_DELAY))
         self._measured = solutions
         return True
 

@@ -47,7 +47,7 @@ class Modulator:
 
     def __init__(self, times: Floats, gap: float, smoothing: Smoothing, columns: int) -> None:
         self.switches = False
-        """Whether square waves have steps, for a device whose transducers are either on or off."""
+        """Whether square waves have vertical edges, because the device's transducers are only on or off."""
         self.smoother = GainSmoother(smoothing, columns)
         self._smoothing, self._jumps = smoothing, replace(smoothing, rate=None)
         self.place_in_cycle = 0, 1
@@ -104,7 +104,7 @@ class Modulator:
             for smoother, span in followers or [(self.smoother, self._span)]
         )
 
-    def rows(self, play: SolutionSequence, t: float, ticks: int = 1) -> Gains:
+    def make_rows(self, play: SolutionSequence, t: float, ticks: int = 1) -> Gains:
         """Return the gains of the rows of the tick that begins at time t [s], (K, N); the array is reused.
 
         play: the solutions; silence before the first. ticks: number of ticks between solutions, over which a change is

@@ -24,6 +24,7 @@ from pacinian.rendering.row_times import compute_row_times
 from pacinian.rendering.sample_budget_controller import MAX_LOAD, SampleBudgetController
 from pacinian.rendering.sample_solver import SampleSolver
 from pacinian.rendering.scene_solver import SceneSolver
+from pacinian.rendering.scene_warnings import add_warnings, find_warnings
 from pacinian.rendering.solution_sequence import SolutionSequence, SolveResult
 from pacinian.rendering.solve_deadline import SolveDeadline
 from pacinian.rendering.steered_solver import STEERED_TIME_FACTOR
@@ -41,8 +42,8 @@ if TYPE_CHECKING:
     from pacinian.plugins.solver import Solver
     from pacinian.rendering.cached_solution import CachedSolution
     from pacinian.rendering.deviation_log import Reasons
-    from pacinian.rendering.recording_clock import RecordingClock
-    from pacinian.rendering.smoothing import Smoothing
+    from pacinian.rendering.loop_settings import LoopSettings
+    from pacinian.rendering.recording_clock import RecordingClocks
     from pacinian.scene.sampling.sampler import Sampler
     from pacinian.session import Session
 
@@ -54,50 +55,39 @@ MAX_LEAD = 0.02  # longest time ahead for which a solve is made [s]
 class Pipeline:
     """Makes the frames of one render loop.
 
-    session: solves. sampler: samples the scene. smoothing: slew-rate limit from row to row. capability: of the device.
-    period: of a tick [s]. adaptive: whether to solve in the background if ticks would be late, to end solves in time,
-    and to reduce the number of samples, except those of regions. most: largest number of frames in a cycle. peak:
-    largest target of such a frame [Pa]. stages: stage timer, which also holds the report. recording_clock: of the
-    ticks. job_recording_clock: of sampling and solving; `session` uses it, too. strict: never leave anything out, and
-    do not adapt. start_thread: starts the thread that solves in the background. Raises ArgumentError.
+    session: solves. sampler: samples the scene. settings: of the loop. capability: of the device. stages: stage timer,
+    which also holds the report. clocks: of the ticks, and of sampling and solving; `session` uses the latter, too.
+    start_thread: starts the thread that solves in the background. Raises ArgumentError.
     """
 
     def __init__(
         self,
         session: Session,
         sampler: Sampler,
-        smoothing: Smoothing,
+        settings: LoopSettings,
         capability: Capability,
-        period: float,
-        adaptive: bool,
-        most: int,
-        peak: float,
         stages: StageTimer,
-        recording_clock: RecordingClock,
-        job_recording_clock: RecordingClock,
-        strict: bool = False,
+        clocks: RecordingClocks,
         start_thread: Callable[[Callable[[], object], str], None] = start_daemon,
     ) -> None:
+        period, most = settings.period, settings.max_cycle_frames
         self.session, self.sampler, self.period = session, sampler, period
-        self.stages, self._most = stages, most
-        self._recording_clock, self._job_recording_clock = recording_clock, job_recording_clock
+        self.stages, self._settings, self._clocks = stages, settings, clocks
         sampler.prepare(session.array, session.medium)
-        self.strict = sampler.strict = strict
-        sampler.peak = peak
-        self.playback = Playback(session.array, session.medium, smoothing, capability, period)
-        cycle = Cycle(session, split_frames(most, capability.rate), sampler.budget, peak)
-        cycle.coarsens = not strict
+        self.playback = Playback(
+            session.array, session.medium, settings.smoothing, capability, period
+        )
+        cycle = Cycle(session, split_frames(most, capability.rate), sampler.budget, settings.peak)
+        cycle.coarsens = not settings.strict
         self.solver = SampleSolver(session, self.playback.times, cycle)
         self._skipped = sampler.skipped = self.solver.skipped  # of a job, until it is taken
-        self._adaptive = adaptive and not strict
         self._scene_solver = SceneSolver(
-            sampler, self.solver, self.playback, job_recording_clock.now, adaptive=self._adaptive
+            sampler, self.solver, self.playback, settings, clocks.job.now
         )
-        self.deadline = SolveDeadline(period, adaptive=self._adaptive)
+        self.deadline = SolveDeadline(period, adaptive=settings.adaptive)
         session.is_cancelled = self._is_cancelled
-        sampler.fine = not self._adaptive
         self.budget_controller = (
-            SampleBudgetController(period, sampler.budget) if self._adaptive else None
+            SampleBudgetController(period, sampler.budget) if settings.adaptive else None
         )
         self._allowed = sampler.budget  # number of samples that the next job may use
         self.background = BackgroundSolve[SolveResult | Measurement | None](start_thread)
@@ -154,10 +144,16 @@ class Pipeline:
             self.sampler.sample(first)
             load_envelopes(first, self.playback.times)
         except Exception:
-            if self.strict:
+            if self._settings.strict:
                 raise
             return None
         return first
+
+    def warn(self, first: Scene, limits: Limits) -> None:
+        """Log warnings about the scene that `warm_up` has returned, and keep them in the report."""
+        capability, period = self.playback.capability, self.period
+        found = find_warnings(first, self.sampler, self.session, limits, capability, period)
+        add_warnings(self.stages.report, found)
 
     def use(self, capability: Capability) -> None:
         """Make frames for a device with this capability from now on. Raises ArgumentError."""
@@ -169,7 +165,7 @@ class Pipeline:
         fast = self._scene_solver.find_too_fast(self.played.solutions)
         self.played = self.played._replace(sample_pressures=None, too_fast=fast)
         self.solver.times = times
-        self.solver.cycle.most = split_frames(self._most, capability.rate)
+        self.solver.cycle.most = split_frames(self._settings.max_cycle_frames, capability.rate)
 
     def reset(self) -> None:
         """Discard all state and start from silence. Solves run where they ran at the last frame that was sent."""
@@ -181,7 +177,7 @@ class Pipeline:
         self.playback.reset()
         self.session.forget()
         self._monitor.reset()
-        self._job_recording_clock.take()
+        self._clocks.job.take()
         # what a tick without a frame has counted is in no recording
         self.schedule = BackgroundSchedule(self.period, in_background=self._in_background)
         self._begin()
@@ -204,7 +200,9 @@ class Pipeline:
         """Whether the last tick repeated the frame before, and nothing that was seen is pending."""
         return self._repeated and not (self._changed or self.background.running)
 
-    def frame(self, scene: Scene, limits: Limits, t: float, due: float, sequence: int) -> Frame:
+    def make_frame(
+        self, scene: Scene, limits: Limits, t: float, due: float, sequence: int
+    ) -> Frame:
         """Return the frame for a scene at time t [s], due at `due` [s]; reuses the last one if nothing changed."""
         self.limits, self._taken, self.job_readings = limits, None, []
         self._changed, self._seen = self._changed or scene is not self._seen, scene
@@ -243,7 +241,7 @@ class Pipeline:
 
         Such a hand may be anywhere in the field, so that the output must be silent until a solution knows it.
         """
-        if self.solver.cycle.peak == math.inf or not self._adaptive:
+        if self._settings.peak == math.inf or not self._settings.adaptive:
             return False
         return not all(map(self.played.knows, scene.hands))
 
@@ -262,7 +260,7 @@ class Pipeline:
         """Sample and solve in this tick. Measure in the background, if that may be late."""
         if not self._measures:
             self._discard_job()
-        elif self.background.done or self._recording_clock.replays:
+        elif self.background.done or self._clocks.tick.replays:
             self._take_job()  # at a time that is not recorded; `_solve_in_background` forgets it
         self._solved_now = True
         self.stages.enter("sample")
@@ -270,7 +268,7 @@ class Pipeline:
         # the last measurement may still be under way, with the propagator that the next one needs
         if self.background.running or (measure := self._monitor.take_job()) is None:
             return
-        if self._adaptive and not self._recording_clock.replays:
+        if self._settings.adaptive and not self._clocks.tick.replays:
             self._start_job(measure, measures=True)
         else:
             self._count_measurement(measure())
@@ -311,7 +309,7 @@ class Pipeline:
         # a thread must not enter the tick's stages
         self._job_stages.begin("sample", self.stages.report, self.stages.now())
         self._started, self._measures = self.stages.now(), measures
-        self.background.deferred = self._recording_clock.replays
+        self.background.deferred = self._clocks.tick.replays
         self.background.start(job)
 
     def _take_job(self) -> SolveResult | None:
@@ -343,7 +341,7 @@ class Pipeline:
         if self._seen and self._seen.objects:  # without objects, the sound must end soon
             limit *= 1.0 if self._outdated else self.deadline.factor
         overdue = self.stages.now() - self._started >= limit
-        return bool(self._recording_clock.note(lambda: float(overdue or self.background.done)))
+        return bool(self._clocks.tick.note(lambda: float(overdue or self.background.done)))
 
     def _discard_job(self) -> None:
         """Wait for the job in the background, if one runs, and drop its result."""
@@ -353,7 +351,7 @@ class Pipeline:
                 self.background.take()
             self._changed = self._changed or not self._measures
             self._measures = False
-            self.job_readings += self._job_recording_clock.take()
+            self.job_readings += self._clocks.job.take()
 
     def _make_job(
         self, scene: Scene, limits: Limits, solver: Solver, t: float, stages: StageTimer, *, in_background: bool
@@ -385,7 +383,7 @@ class Pipeline:
         """
         if not self.deadline.unhurried:
             return False
-        return bool(self._job_recording_clock.note(lambda: float(self._outdated)))
+        return bool(self._clocks.job.note(lambda: float(self._outdated)))
 
     def _find_play_time(self, t: float, in_background: bool) -> float:
         """Return the scene time for which a job that begins at time t solves [s].
@@ -402,7 +400,7 @@ class Pipeline:
 
     def _play(self, outcome: SolveResult) -> None:
         """Play the result of a job from now on."""
-        self.job_readings += self._job_recording_clock.take()
+        self.job_readings += self._clocks.job.take()
         report = self.stages.report
         report.skipped.update(self._skipped)
         self._skipped.clear()
@@ -464,4 +462,4 @@ class Pipeline:
         if any((one.samples.regions >= 0).any() for one in taken.fresh):
             return  # a region of fewer samples would have holes
         samples = max((len(one.samples) for one in taken.fresh), default=0)
-        self._allowed = self.budget_controller.tick(seconds, samples, self.schedule.interval)
+        self._allowed = self.budget_controller.adapt(seconds, samples, self.schedule.interval)

@@ -101,11 +101,13 @@ class Playback:
 
         play, inputs, ticks: as for `follow`, which the caller has called. limits: that the gains keep.
         """
-        rows = self.modulator.rows(play, t, ticks)
+        rows = self.modulator.make_rows(play, t, ticks)
         self._steering.steer(rows, t)
         power = limits.power is not None
         whole = bool(limits.zones)  # envelopes of parts that cancel in the zones may add up to more
-        self._frame = self._quantiser.frame(rows, find_ceiling(limits), sequence, due, power, whole)
+        self._frame = self._quantiser.make_frame(
+            rows, find_ceiling(limits), sequence, due, power, whole
+        )
         self._made = inputs
         return self._frame
 

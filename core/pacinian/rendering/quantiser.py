@@ -46,7 +46,7 @@ class Quantiser:
         self._size = capability.sizes.copy()  # kernels need a writable array
         self._inverse = None if capability.uniform else invert_levels(self._size)
 
-    def frame(
+    def make_frame(
         self,
         gains: Gains,
         ceiling: float,

@@ -9,7 +9,7 @@ from pacinian.acoustics import array_record
 from pacinian.acoustics.air import Air
 
 if TYPE_CHECKING:
-    from pacinian.rendering.smoothing import Smoothing
+    from pacinian.rendering.loop_settings import LoopSettings
     from pacinian.scene.sampling.sampler import Sampler
     from pacinian.session import Session
 
@@ -22,16 +22,7 @@ class HasSettings(Protocol):
 
     session: Session
     sampler: Sampler
-    smoothing: Smoothing
-    period: float
-    strict: bool
-    max_cycle_frames: int
-    peak: float
-
-    @property
-    def budget_controller(self) -> object:
-        """None if the budget is fixed."""
-        ...
+    settings: LoopSettings
 
 
 def to_config(renderer: HasSettings) -> dict[str, Any]:
@@ -39,15 +30,15 @@ def to_config(renderer: HasSettings) -> dict[str, Any]:
 
     `rerender.from_config` makes a renderer of them.
     """
-    session, sampler = renderer.session, renderer.sampler
+    session, sampler, settings = renderer.session, renderer.sampler, renderer.settings
     medium = {f.name: getattr(session.medium, f.name) for f in fields(Air) if f.init}
     return {
-        "rate": 1.0 / renderer.period,
-        "adaptive": renderer.budget_controller is not None,
-        "strict": renderer.strict,
-        "max_cycle_frames": renderer.max_cycle_frames,
-        "peak": renderer.peak,
-        "smoothing": asdict(renderer.smoothing),
+        "rate": 1.0 / settings.period,
+        "adaptive": settings.adaptive,
+        "strict": settings.strict,
+        "max_cycle_frames": settings.max_cycle_frames,
+        "peak": settings.peak,
+        "smoothing": asdict(settings.smoothing),
         "sampler": {name: getattr(sampler, name) for name in SAMPLER},
         "medium": medium,
         **array_record.to_map(session.array),

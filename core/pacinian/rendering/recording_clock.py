@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -53,3 +53,15 @@ class RecordingClock:
     def tell(self, noted: list[float]) -> None:
         """Replay these readings from now on, instead of the time."""
         self._replayed, self._place = noted, 0
+
+
+class RecordingClocks(NamedTuple):
+    """The clocks of a render loop. tick: of the ticks. job: of sampling and solving, which may run beside the ticks."""
+
+    tick: RecordingClock
+    job: RecordingClock
+
+    @classmethod
+    def make(cls, now: Callable[[], float]) -> RecordingClocks:
+        """Make clocks that read the same underlying clock, `now` [s]."""
+        return cls(RecordingClock(now), RecordingClock(now, stops=True))

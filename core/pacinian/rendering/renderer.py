@@ -2,36 +2,32 @@
 
 from __future__ import annotations
 
-import logging
 import math
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.argument_checks import check_integer, check_kind, check_number
+from pacinian.argument_checks import check_kind, check_number
 from pacinian.closeable import Closeable
-from pacinian.errors import ArgumentError, BackendError, PacinianError
+from pacinian.errors import ArgumentError, BackendError
 from pacinian.plugins import registry
 from pacinian.plugins.backend import Backend
 from pacinian.rendering.background_solve import start_daemon
 from pacinian.rendering.clock import Clock, SystemClock
-from pacinian.rendering.deviation_log import HALTED, LATE, MISSED, NOTHING, mark
+from pacinian.rendering.deviation_log import HALTED, NOTHING, mark, mark_lateness
 from pacinian.rendering.fail_safe_output import FailSafeOutput
 from pacinian.rendering.frame_cycle import MAX_FRAMES
+from pacinian.rendering.loop_settings import LoopSettings
 from pacinian.rendering.pipeline import Pipeline
-from pacinian.rendering.playback import find_ceiling
 from pacinian.rendering.realtime_section import realtime_section
 from pacinian.rendering.recorded_settings import to_config
-from pacinian.rendering.recording_clock import RecordingClock
+from pacinian.rendering.recording_clock import RecordingClocks
 from pacinian.rendering.report import Report, StageTimer
-from pacinian.rendering.row_times import describe_mismatch
 from pacinian.rendering.scene_log import TickInput, TickOutcome
-from pacinian.rendering.scene_warnings import find_warnings
-from pacinian.rendering.skin_loader import SkinLoader, takes_long
-from pacinian.rendering.smoothing import Smoothing
+from pacinian.rendering.scene_warnings import add_warnings
+from pacinian.rendering.skin_loader import SkinLoader
 from pacinian.rendering.tick_pacing import MAX_LAG, pace
-from pacinian.scene.hands.hand import Hand
 from pacinian.scene.sampling.ramps import RAMP_TIME
 from pacinian.scene.sampling.sample_counts import label_object
 from pacinian.scene.sampling.sampler import Sampler
@@ -42,7 +38,7 @@ from pacinian.solving.blas import limit_blas_threads
 from pacinian.solving.problem import Limits
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable
 
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
@@ -50,12 +46,12 @@ if TYPE_CHECKING:
     from pacinian.plugins.backend import Frame
     from pacinian.plugins.solver import Solver
     from pacinian.rendering.background_schedule import BackgroundSchedule
-    from pacinian.rendering.deviation_log import Reasons
     from pacinian.rendering.modulator import Modulator
     from pacinian.rendering.recording import Recorder
     from pacinian.rendering.report import Fault, Stage
     from pacinian.rendering.sample_budget_controller import SampleBudgetController
     from pacinian.rendering.sample_solver import SampleSolver
+    from pacinian.rendering.smoothing import Smoothing
     from pacinian.rendering.solution_sequence import SolutionSequence
     from pacinian.scene.sampling.sample_counts import ObjectSampleCounts
     from pacinian.scene.sampling.samples import Samples
@@ -136,10 +132,9 @@ class Renderer(Closeable):
             scene.check_files()
         self.scene = scene
         self.clock = clock or SystemClock()
-        self.recording_clock = RecordingClock(self.clock.now)
-        self.job_recording_clock = RecordingClock(self.clock.now, stops=True)
-        self.session = Session(array, medium, solver, clock=self.job_recording_clock.now)
-        self.session.note = self.job_recording_clock.note
+        self.recording_clocks = clocks = RecordingClocks.make(self.clock.now)
+        self.session = Session(array, medium, solver, clock=clocks.job.now)
+        self.session.note = clocks.job.note
         made = registry.backend(backend) if isinstance(backend, str) else backend
         check_kind("backend", made, Backend)
         capability = registry.read_capability(made)
@@ -147,21 +142,17 @@ class Renderer(Closeable):
         check_kind("limits", self.limits, Limits)
         self.sampler = Sampler(ramp=RAMP_TIME) if sampler is None else sampler
         check_kind("sampler", self.sampler, Sampler)
-        self.smoothing = Smoothing() if smoothing is None else smoothing
-        check_kind("smoothing", self.smoothing, Smoothing)
-        self.period = 1.0 / check_number("rate", rate, low=1.0, high=100_000.0)  # [s]
-        self.max_cycle_frames = check_integer("max_cycle_frames", max_cycle_frames, low=1)
-        self.peak = math.inf if peak == math.inf else check_number("peak", peak, low=0.0)
-        check_kind("strict", strict, bool)
-        self.strict = strict
+        self.settings = settings = LoopSettings.make_checked(
+            rate, smoothing, adaptive=adaptive, strict=strict, max_cycle_frames=max_cycle_frames, peak=peak
+        )  # fmt: skip
+        self.period, self.strict, self.peak = settings.period, settings.strict, settings.peak
+        self.smoothing, self.max_cycle_frames = settings.smoothing, settings.max_cycle_frames
         self.report = Report()
         self.recorder = recorder
         self._stages = StageTimer(self.clock.now, self.report)
         self._pipeline = Pipeline(
-            self.session, self.sampler, self.smoothing, capability, self.period, adaptive, self.max_cycle_frames,
-            self.peak, self._stages, self.recording_clock, self.job_recording_clock, self.strict,
-            start_thread,
-        )  # fmt: skip
+            self.session, self.sampler, settings, capability, self._stages, clocks, start_thread
+        )
         self._emitter = FailSafeOutput(made, self._stages)
         self._skins = SkinLoader(limited=self.peak < math.inf)
         # Clock reading at the scene's time 0 [s]: that of `open`, then of the first tick, if `run` makes it.
@@ -171,12 +162,8 @@ class Renderer(Closeable):
         self._outcome: TickOutcome | None = None  # of this tick; None before its frame is sent
 
     def __repr__(self) -> str:
-        report, fault = self.report, self.halted
-        count = (
-            f"{len(self.scene.objects)} objects"
-            if isinstance(self.scene, Scene)
-            else "a moving scene"
-        )
+        scene, report, fault = self.scene, self.report, self.halted
+        count = f"{len(scene.objects)} objects" if isinstance(scene, Scene) else "a moving scene"
         halted = "" if fault is None else f", halted: {fault}"
         return (
             f"<Renderer of {count} by {self.session.solver.name} on {type(self.backend).__name__}, "
@@ -261,13 +248,14 @@ class Renderer(Closeable):
             self._opened = True
             with limit_blas_threads():  # as in the ticks, which reuse what is computed here
                 first = self._pipeline.warm_up(self._scene, self.limits)
-                self._load_skins(first)
+                self._skins.load_first(first, any_time=callable(self.scene))
             if self.recorder is not None:
                 self.recorder.begin(self.session.array, self.backend.capability, to_config(self))
                 if first is not None:
                     self.recorder.prepare(first)
             self.report = self._stages.report = Report()
-            self._warn(first)
+            if first is not None:
+                self._pipeline.warn(first, self.limits)
             self.reset()
             self.start = self.clock.now()
         except BaseException as error:
@@ -275,42 +263,6 @@ class Renderer(Closeable):
             self._opened = self._opened or not isinstance(error, Exception)
             self.close()
             raise
-
-    def _load_skins(self, first: Scene | None) -> None:
-        """Load the skins of the first scene's hands, and that of joints if hands may come at any time."""
-        if callable(self.scene):
-            self._skins.load([Hand.open()])
-        if first is not None:
-            with suppress(PacinianError):  # of a hand; the first tick will raise and report it
-                self._skins.load(hand for hand in first.hands if not hand.lost)
-
-    def _await_skins(self, hands: Iterable[Hand]) -> None:
-        """Load the skins of new kinds of hands. The output is silent meanwhile, because that can take seconds."""
-        new = self._skins.find_new(hands)
-        if not new:
-            return
-        if self.recording_clock.note(lambda: float(takes_long(new))):
-            self._emitter.silence()
-            self.restart()
-        self._skins.load(new)
-
-    def _warn(self, first: Scene | None) -> None:
-        """Log and keep warnings about the first scene."""
-        if first is None:
-            return
-        warnings: list[str] = []
-        with suppress(PacinianError):  # of a file; the first tick will raise and report it
-            gain, rate = find_ceiling(self.limits), self.backend.capability.rate
-            warnings.extend(find_warnings(first, self.sampler, self.session, gain, rate))
-            if (text := describe_mismatch(self.backend.capability, self.period)) is not None:
-                warnings.append(text)
-        self._add_warnings(warnings)
-
-    def _add_warnings(self, warnings: Iterable[str]) -> None:
-        """Log and keep warnings."""
-        for text in warnings:
-            self.report.warnings += (text,)
-            logging.getLogger("pacinian").warning("%s", text)
 
     def use(self, backend: Backend) -> Backend:
         """Send to another backend from the next tick on; return the previous one, which the caller must close.
@@ -356,11 +308,8 @@ class Renderer(Closeable):
         matters. Scene time 0 is the first tick since `open`. Ctrl-C ends the run and sets `report.interrupted`.
         """
         max_lag = check_number("max_lag", max_lag, low=0.0)
-        duration = (
-            None
-            if duration is None
-            else check_number("duration", duration, low=0.0, high=MAX_DURATION)
-        )
+        if duration is not None:
+            duration = check_number("duration", duration, low=0.0, high=MAX_DURATION)
         was_open, interrupted = self._opened, False
         try:
             self.open()
@@ -409,10 +358,11 @@ class Renderer(Closeable):
         if (outcome := self._outcome) is not None:
             late, deviations = outcome.late, outcome.deviations
         else:
-            late = self._is_late(end, due)
+            late = end > due + self.period
             labels = sorted(self._labels)
-            deviations = self._mark_time(mark(NOTHING, labels, HALTED), labels, late)
-        self.report.tick(end - begin, late, due - self.start, deviations)
+            halted = mark(NOTHING, labels, HALTED)
+            deviations = mark_lateness(halted, labels, late=late, missed=missed)
+        self.report.count_tick(end - begin, late, due - self.start, deviations)
 
     @property
     def sample_counts(self) -> dict[str, ObjectSampleCounts]:
@@ -481,7 +431,7 @@ class Renderer(Closeable):
     def reset(self) -> None:
         """Clear a fault and all state, so that the next tick starts from silence."""
         self._emitter.halted = None
-        self.recording_clock.take()
+        self.recording_clocks.tick.take()
         self.restart()
 
     def restart(self) -> None:
@@ -490,26 +440,30 @@ class Renderer(Closeable):
         if self.recorder is not None:
             self.recorder.forget()
 
+    def _fall_silent(self) -> None:
+        """Silence the output, and discard what is played."""
+        self._emitter.silence()
+        self.restart()
+
     def _step(self, due: float) -> None:
         pipeline, stages = self._pipeline, self._stages
-        if (
-            pipeline.playback.last_frame is not None and not self._emitter.loud
-        ):  # the end of a run silenced it
+        # The end of a run silences the output.
+        if pipeline.playback.last_frame is not None and not self._emitter.loud:
             self.reset()
-        begin = self.recording_clock.now()
+        begin = self.recording_clocks.tick.now()
         stages.begin("scene", self.report, begin)
         t = check_number("clock", due - self.start)
         scene = self._scene(t)
-        self._await_skins(scene.hands)
+        self._skins.load_new(scene.hands, self.recording_clocks.tick.note, self._fall_silent)
         limits, solver = self.limits, self.session.solver  # other threads may set them at any time
-        frame = pipeline.frame(scene, limits, t, due, self.report.frames_sent)
+        frame = pipeline.make_frame(scene, limits, t, due, self.report.frames_sent)
         stages.enter("send")
         self._emitter.send(frame)
         self._outcome = self._judge(due)
         if pipeline.budget_controller is not None:
-            pipeline.adapt_budget(self.recording_clock.now() - begin)
+            pipeline.adapt_budget(self.recording_clocks.tick.now() - begin)
         stages.enter("record")
-        noted = self.recording_clock.take()
+        noted = self.recording_clocks.tick.take()
         if self.recorder is not None:
             asked = TickInput(scene, solver, limits)
             readings = noted, pipeline.job_readings
@@ -518,25 +472,18 @@ class Renderer(Closeable):
                 frame, t, asked, readings, self._outcome, same=pipeline.playback.is_repeat(frame)
             )
             if self.recorder.unrecorded != known:
-                self._add_warnings([f"scenes are no longer recorded: {self.recorder.unrecorded}"])
+                text = f"scenes are no longer recorded: {self.recorder.unrecorded}"
+                add_warnings(self.report, [text])
         stages.enter("scene")
 
     def _judge(self, due: float) -> TickOutcome:
         """Return the outcome of the tick whose frame has just been sent: lateness, sample counts and deviations."""
         pipeline, sent = self._pipeline, self.clock.now()
-        late, deviations = self._is_late(sent, due), pipeline.deviations
+        late, deviations = sent > due + self.period, pipeline.deviations
         if late or self._missed:
-            deviations = self._mark_time(deviations, sorted(pipeline.labels), late)
+            labels = sorted(pipeline.labels)
+            deviations = mark_lateness(deviations, labels, late=late, missed=self._missed)
         return TickOutcome(sent, late, pipeline.sample_counts, deviations)
-
-    def _is_late(self, end: float, due: float) -> bool:
-        """Return whether a tick that was due at `due` and ended at `end` [s] ended after the next one was due."""
-        return end > due + self.period
-
-    def _mark_time(self, deviations: Reasons, labels: list[str], late: bool) -> Reasons:
-        """Return the deviations of a tick, and that it is late or that ticks before it were missed."""
-        deviations = mark(deviations, labels, LATE) if late else deviations
-        return mark(deviations, labels, MISSED, self._missed) if self._missed else deviations
 
     @property
     def _labels(self) -> set[str]:

@@ -93,7 +93,7 @@ class Report:
     # labels of objects, and what measurements have found wrong with them since the last tick
     _wrong: list[tuple[str, str]] = field(default_factory=list, repr=False)
 
-    def tick(
+    def count_tick(
         self, seconds: float, late: bool, time: float = 0.0, deviations: Reasons = NOTHING
     ) -> None:
         """Count a tick that took `seconds` [s]. time: of the scene [s]. deviations: of this tick, by object."""
@@ -147,7 +147,7 @@ class Report:
                 sums[name] = sums.get(name, FeltSums()).plus(more)
         return {name: all_.felt for name, all_ in sums.items()}
 
-    def fault(self, fault: Fault) -> None:
+    def count_fault(self, fault: Fault) -> None:
         """Count a fault."""
         if self.faults:  # an exception keeps stack frames and long texts in memory
             self.faults[-1] = replace(self.faults[-1], error=None)

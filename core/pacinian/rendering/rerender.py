@@ -162,8 +162,8 @@ def iterate_rerendered(
                 renderer.reset()
             renderer.scene, renderer.limits = tick.asked.scene, tick.asked.limits
             renderer.session.solver = tick.asked.solver
-            renderer.recording_clock.tell(list(tick.clock))
-            renderer.job_recording_clock.tell(list(tick.job_clock))
+            renderer.recording_clocks.tick.tell(list(tick.clock))
+            renderer.recording_clocks.job.tell(list(tick.job_clock))
             clock.time = tick.time
             renderer.tick(tick.time)
             if renderer.halted is not None:

@@ -11,6 +11,7 @@ import numpy as np
 
 from pacinian.acoustics.pressure import radiation_pressure, sound_pressure
 from pacinian.acoustics.skin_facing import SkinFacing
+from pacinian.region_numbers import BESIDE
 from pacinian.rendering.cached_solution import CachedSolution
 from pacinian.rendering.contact_follower import ContactFollower
 from pacinian.rendering.envelope_groups import EnvelopeGroups, split_contributions
@@ -20,7 +21,7 @@ from pacinian.rendering.skin_limit import SkinLimit
 from pacinian.rendering.solution_sequence import SolutionSequence
 from pacinian.rendering.steered_solver import SteeredSolver
 from pacinian.scene.modulation.presentation import present
-from pacinian.scene.sampling.samples import BESIDE, join_samples, no_samples
+from pacinian.scene.sampling.samples import join_samples, no_samples
 from pacinian.skip_reasons import NOTHING_MOVED, STEP_KNOWN
 
 if TYPE_CHECKING:
@@ -351,7 +352,7 @@ class SampleSolver:
             sounded &= self.cycle.sounds(frame)
         index = groups.index
         if limits.exact is not None:  # flags for the remaining samples
-            exact = limits.exact_mask(len(q))[sounded] if len(q) else None
+            exact = limits.make_exact_mask(len(q))[sounded] if len(q) else None
             limits = replace(limits, exact=exact)
         if not sounded.all():
             samples, q, P, index = samples.only(sounded), q[sounded], P[sounded], index[sounded]

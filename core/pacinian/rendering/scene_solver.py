@@ -11,11 +11,13 @@ import numpy as np
 from pacinian.rendering.scene_warnings import is_too_fast
 from pacinian.rendering.solution_sequence import SolutionSequence, SolveResult
 from pacinian.scene.sampling.sample_counts import FAR, ON_TRANSDUCER, SampleCounts, label_object
+from pacinian.scene.sampling.sampler import SamplingMode
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from pacinian.plugins.solver import Solver
+    from pacinian.rendering.loop_settings import LoopSettings
     from pacinian.rendering.playback import Playback
     from pacinian.rendering.report import StageTimer
     from pacinian.rendering.sample_solver import SampleSolver
@@ -28,8 +30,8 @@ if TYPE_CHECKING:
 class SceneSolver:
     """Samples and solves for one scene after the other.
 
-    sampler: samples scenes. samples: solves for their samples. playback: rounds gains as the device does. now: the
-    clock of solves in the background [s]. adaptive: whether these are made only as often as skin needs them.
+    sampler: samples scenes. samples: solves for their samples. playback: rounds gains as the device does. settings: of
+    the loop. now: the clock of solves in the background [s].
     """
 
     def __init__(
@@ -37,20 +39,24 @@ class SceneSolver:
         sampler: Sampler,
         samples: SampleSolver,
         playback: Playback,
+        settings: LoopSettings,
         now: Callable[[], float],
-        *,
-        adaptive: bool,
     ) -> None:
         self._sampler, self._samples, self._playback = sampler, samples, playback
-        self._now, self._adaptive = now, adaptive
+        self._settings, self._now = settings, now
 
     def prepare(self, limits: Limits, solver: Solver) -> None:
         """Tell the sampler what the next solve's limits and solver mean for it."""
-        sampler, alone = self._sampler, limits.couples_gains
-        sampler.bands = 1 if alone else self._samples.cycle.max_bands
-        sampler.steers = not limits.forbids_steering
-        sampler.surround = solver.surrounds and not alone
-        sampler.max_uniform_points = 0.0 if alone else solver.max_uniform_points
+        settings, alone = self._settings, limits.couples_gains
+        self._sampler.mode = SamplingMode(
+            bands=1 if alone else self._samples.cycle.max_bands,
+            max_uniform_points=0.0 if alone else solver.max_uniform_points,
+            peak=settings.peak,
+            surround=solver.surrounds and not alone,
+            strict=settings.strict,
+            steers=not limits.forbids_steering,
+            fine=not settings.adaptive,
+        )
 
     def solve(
         self, scene: Scene, limits: Limits, solver: Solver, t: float, at: float, deadline: float, last: SolveResult,
@@ -72,7 +78,7 @@ class SceneSolver:
         stages.enter("solve")
         solves.skins = sampler.pose_seen() if len(samples) else ()
         solves.cycle.budget = sampler.frame_budget
-        solves.spares_solves = in_background and self._adaptive
+        solves.spares_solves = in_background and self._settings.adaptive
         solutions = solves.solve(samples, t, limits, solver, deadline, at)
         fast = last.too_fast
         if solutions is not last.solutions:

@@ -1,7 +1,9 @@
-"""Find objects that cannot be rendered as requested, before a scene is rendered. A warning names its objects."""
+"""Warn about what cannot be rendered as requested, before a scene is rendered. A warning names its objects."""
 
 from __future__ import annotations
 
+import logging
+from contextlib import suppress
 from itertools import islice
 from typing import TYPE_CHECKING
 
@@ -9,19 +11,24 @@ import numpy as np
 
 from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.acoustics.propagation import matrix
-from pacinian.errors import PointOnTransducer
+from pacinian.errors import PacinianError, PointOnTransducer
+from pacinian.rendering.playback import find_ceiling
+from pacinian.rendering.row_times import describe_mismatch
 from pacinian.scene.objects import Particles, Path
 from pacinian.scene.sampling.sample_counts import label_object
 from pacinian.scene.sampling.sample_sources import lacks_surface
 from pacinian.scene.sampling.unsampled_objects import is_silent
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
+    from pacinian.plugins.backend import Capability
+    from pacinian.rendering.report import Report
     from pacinian.scene.objects import Object
     from pacinian.scene.sampling.sampler import Sampler
     from pacinian.scene.scene import Scene
     from pacinian.session import Session
+    from pacinian.solving.problem import Limits
 
 MAX_OBJECTS = 1000  # largest number of objects that are checked
 PLACES = 8  # number of places of a path, or of particles, at which a focus is computed
@@ -29,14 +36,23 @@ FAR = 5.0  # distance from the array from which a warning says that positions ar
 MAX_NAMED = 3  # largest number of objects named in one warning
 
 
+def add_warnings(report: Report, warnings: Iterable[str]) -> None:
+    """Log warnings, and keep them in the report. An error in a file ends them: the first tick will report it."""
+    with suppress(PacinianError):
+        for text in warnings:
+            report.warnings += (text,)
+            logging.getLogger("pacinian").warning("%s", text)
+
+
 def find_warnings(
-    scene: Scene, sampler: Sampler, session: Session, gain: float, rate: float
-) -> Iterator[str]:
+    scene: Scene, sampler: Sampler, session: Session, limits: Limits, capability: Capability, period: float
+) -> Iterator[str]:  # fmt: skip
     """Yield one sentence for each reason why some objects cannot be rendered as requested; it names these objects.
 
-    gain: largest amplitude of a transducer, 0..1. rate: of the device [Hz]. Raises ArgumentError if a texture's file
-    cannot be read.
+    Also warns if the rate of the device does not fit that of the loop. limits: of the gains. capability: of the device.
+    period: of a tick [s]. Raises ArgumentError if a texture's file cannot be read.
     """
+    gain, rate = find_ceiling(limits), capability.rate
     outside, weak, empty, fast = list[str](), list[str](), list[str](), list[str]()
     for i, item in islice(enumerate(scene.objects), MAX_OBJECTS):
         if is_silent(item):
@@ -76,12 +92,14 @@ def find_warnings(
             f"{rate / 2.0:.4g} Hz or more is played at a wrong, lower frequency (aliasing), or not at all. Use a lower "
             "frequency, or a faster device"
         )
-    for i, period, resolved in sampler.find_fine_textures(scene):
+    for i, ridges, resolved in sampler.find_fine_textures(scene):
         yield (
-            f"the texture of {label_object(scene.objects[i], i)!r} has a period of {1e3 * period:.1f} mm, and "
+            f"the texture of {label_object(scene.objects[i], i)!r} has a period of {1e3 * ridges:.1f} mm, and "
             f"the array resolves only {1e3 * resolved:.1f} mm there, so the ridges will blur. Use a longer period or a "
             "wider array, or move the object nearer to the array"
         )
+    if (text := describe_mismatch(capability, period)) is not None:
+        yield text
 
 
 def is_too_fast(item: Object, rate: float) -> bool:

@@ -24,7 +24,7 @@ from pacinian.acoustics.propagation import KernelData
 from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.errors import PointOnTransducer
 from pacinian.native import solving as kernels
-from pacinian.solving.problem import ISOLATED
+from pacinian.region_numbers import ISOLATED
 from pacinian.solving.solution_status import Status
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ MAX_HIDDEN_RATIO = 8.0
 # A first point is skipped if the cosine between its normal and the direction to every transducer is below this.
 MIN_COSINE = -0.5
 # Number of transducers that represent the array where a point's view of it is tested, besides the corners of its box.
-SEEN_BY = 32
+VIEWPOINTS = 32
 RINGS = 3  # number of rings of points around each of the strongest points, in the last steps
 FINEST = 0.05  # spacing of the points in the last step, over the wavelength
 # Size of a hand, over the usual one, above which a step with wider rings comes first.
@@ -57,11 +57,11 @@ SUM_PHASES = 16
 MARGIN = 1.03  # factor on the highest pressure found, because the finest points may miss a peak
 MIN_LENGTH = 1e-9  # smallest length of a vector used as a divisor
 # If the highest pressure is at most this share of the limit, the next solutions that are like it are not evaluated.
-FAR_BELOW = 0.25
+MAX_UNEVALUATED_SHARE = 0.25
 MAX_NOT_EVALUATED = 7  # largest number of successive solutions that are not evaluated
 # A solution is like the last evaluated one only if neither the sum of its gains' amplitudes nor its highest target is
 # larger by more than this factor, and if the middle of its samples is less than a wavelength away.
-MORE = 1.2
+MAX_LIKE_RATIO = 1.2
 
 
 class _Summary(NamedTuple):
@@ -92,7 +92,7 @@ class SkinLimit:
         self._positions = array.positions
         low, high = array.positions.min(axis=0), array.positions.max(axis=0)
         corners = list(product(*zip(low, high, strict=True)))
-        every = -(-len(array) // SEEN_BY)
+        every = -(-len(array) // VIEWPOINTS)
         some = array.positions[::every]
         self._viewpoints = np.concatenate([corners, some])  # stand for all, (V, 3) [m]
         self._B: Gains = np.empty((CHUNK, len(array)), np.complex64)
@@ -142,7 +142,7 @@ class SkinLimit:
             self._passed += 1
             return None
         peak = self._evaluate_peak(contributions, skins, samples, limit)
-        self._last, self._passed = (summary if peak <= FAR_BELOW * limit else None), 0
+        self._last, self._passed = (summary if peak <= MAX_UNEVALUATED_SHARE * limit else None), 0
         return peak
 
     def _is_like_last(self, summary: _Summary) -> bool:
@@ -151,7 +151,10 @@ class SkinLimit:
         if last is None or self._passed == MAX_NOT_EVALUATED:
             return False
         away = summary.middle - last.middle
-        more = summary.drive > MORE * last.drive or summary.asked > MORE * last.asked
+        more = (
+            summary.drive > MAX_LIKE_RATIO * last.drive
+            or summary.asked > MAX_LIKE_RATIO * last.asked
+        )
         same = summary.limit == last.limit and summary.hands == last.hands
         return same and not more and float(away @ away) < self._wavelength**2
 

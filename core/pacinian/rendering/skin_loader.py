@@ -2,26 +2,57 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
+from pacinian.errors import PacinianError
+from pacinian.scene.hands.hand import Hand
 from pacinian.scene.hands.skin_cache import MAX_SKINS, find_kind, get_skin, is_built
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
 
-    from pacinian.scene.hands.hand import Hand
+    from pacinian.scene.scene import Scene
 
 
 class SkinLoader:
-    """Knows the kinds of hands that a renderer has seen last.
+    """Loads the skins of hands, and knows the kinds of hands that a renderer has seen last.
 
-    They are those of its scenes, and not those that the process has built, so that a recording is rendered again
+    These kinds are those of its scenes, and not those that the process has built, so that a recording is rendered again
     exactly. limited: whether the pressure on skin has a limit.
     """
 
     def __init__(self, *, limited: bool) -> None:
         self._limited = limited
         self._seen: dict[bytes | None, None] = {}  # the one seen last is the last
+
+    def load_first(self, scene: Scene | None, *, any_time: bool) -> None:
+        """Load the skins of the first scene's hands, and that of joints if hands may come at any time.
+
+        scene: None if it could not be made.
+        """
+        if any_time:
+            self.load([Hand.open()])
+        if scene is not None:
+            with suppress(PacinianError):  # of a hand; the first tick will raise and report it
+                self.load(hand for hand in scene.hands if not hand.lost)
+
+    def load_new(
+        self,
+        hands: Iterable[Hand],
+        note: Callable[[Callable[[], float]], float],
+        silence: Callable[[], None],
+    ) -> None:
+        """Load the skins of new kinds of hands. The output is silent meanwhile, because that can take seconds.
+
+        note: returns what a function returns, and records it (`RecordingClock.note`). silence: silences the output.
+        """
+        new = self.find_new(hands)
+        if not new:
+            return
+        if note(lambda: float(takes_long(new))):
+            silence()
+        self.load(new)
 
     def find_new(self, hands: Iterable[Hand]) -> list[Hand]:
         """Return the first hand of each kind that was not among those seen last. Lost hands are left out."""

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from pacinian.scene.scene import Scene
     from pacinian.types import Floats
 
+RISEN_FROM = 0.99  # share of the full force from which ramps count as ended
+
 
 @dataclass(frozen=True, eq=False)
 class SolutionSequence:

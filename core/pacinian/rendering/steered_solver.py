@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from pacinian.types import Floats
 
 # Largest shift, relative to the distance from the nearest transducer, after which samples are solved for again. It is
-# larger (LIMITED) if transducers are at their limit, because solutions are then less exact and take longer. It is
-# largest (LATE) while a solve that ran out of time goes on, because no other one begins meanwhile.
+# larger (MAX_LIMITED_SHIFT) if transducers are at their limit, because solutions are then less exact and take longer.
+# It is largest (MAX_LATE_SHIFT) while a solve that ran out of time goes on, because no other one begins meanwhile.
 MAX_SHIFT, MAX_LIMITED_SHIFT, MAX_LATE_SHIFT = 0.02, 0.06, 0.15
 LIMITED_FROM = 0.02  # share of the transducers at their limit from which MAX_LIMITED_SHIFT holds
 # Largest error of a solution that ran out of time, relative to that of the solution that it replaces.

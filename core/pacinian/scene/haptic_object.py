@@ -10,7 +10,7 @@ from msgspec.structs import force_setattr
 
 from pacinian.argument_checks import check_integer, check_kind, check_number
 from pacinian.errors import ArgumentError
-from pacinian.scene.material import FIRM, Material
+from pacinian.scene.material import DEFAULT_MATERIAL, Material
 from pacinian.scene.modulation.envelope import STEADY, Envelope, Wave, resolve
 from pacinian.scene.modulation.technique import AM, LM, SIMULTANEOUS, STM, Simultaneous, Technique
 from pacinian.scene.motion import Motion
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 MIN_AREA = 1e-12  # smallest area of a point, and smallest area that a force is divided by [m^2]
 MAX_PRESSURE = 1e30  # largest radiation pressure [Pa] or force [N]
-MAX_COUNT = 1_000_000  # the lowest priority is -MAX_COUNT
+MIN_PRIORITY = -1_000_000  # lowest priority
 
 
 class HapticObject(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -37,7 +37,7 @@ class HapticObject(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True
     force: float | None = None
     envelope: Envelope = STEADY
     technique: Technique = SIMULTANEOUS
-    material: Material = FIRM
+    material: Material = DEFAULT_MATERIAL
     motion: Motion | None = None
     priority: int = 0
     name: str = ""
@@ -63,13 +63,13 @@ class HapticObject(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True
             force_setattr(self, "envelope", resolve(self.envelope))
         if self.technique is not SIMULTANEOUS:
             check_kind("technique", self.technique, Simultaneous, AM, STM, LM)
-        if self.material is not FIRM:
+        if self.material is not DEFAULT_MATERIAL:
             check_kind("material", self.material, Material)
         if self.motion is not None:
             check_kind("motion", self.motion, Motion)
         if self.priority != 0:
             force_setattr(
-                self, "priority", check_integer("priority", self.priority, low=-MAX_COUNT)
+                self, "priority", check_integer("priority", self.priority, low=MIN_PRIORITY)
             )
         if type(self.name) is not str:
             raise ArgumentError("name", f"must be a text, not {self.name!r}")

@@ -49,4 +49,4 @@ class Material(Struct, frozen=True, forbid_unknown_fields=True):
         return np.asarray(np.minimum(np.maximum(depth, 0.0) * self.compute_stiffness(most), most))
 
 
-FIRM = Material()
+DEFAULT_MATERIAL = Material()

@@ -27,6 +27,7 @@ from pacinian.wire.protocol import MAX_COMMAND_BYTES, MAX_CONTROL_BYTES
 
 if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
+    from pacinian.solving import quiet_zone
 
 METRICS_HOST = "127.0.0.1"
 Port = Annotated[int, Meta(ge=0, le=65535, description="0: any that is free")]
@@ -72,13 +73,17 @@ class Zone(Struct, frozen=True, forbid_unknown_fields=True):
         check_number("pressure", self.pressure, low=0.0, above=True)
         check_number("radius", self.radius, low=0.0, high=1.0)
 
+    def make(self) -> quiet_zone.Zone:
+        """Return the zone for solvers."""
+        from pacinian.solving.quiet_zone import Zone  # here, because most processes load no solver
+
+        return Zone(self.position, pressure=self.pressure, radius=self.radius)
+
     def check_place(self, array: Array) -> None:
         """Check that the zone is near the array and contains no transducer. Raises ArgumentError."""
-        from pacinian.solving import quiet_zone  # here, because most processes load no solver
+        from pacinian.solving.quiet_zone import check_zone_place  # see `make`
 
-        quiet_zone.check_zone_place(
-            quiet_zone.Zone(self.position, pressure=self.pressure, radius=self.radius), array
-        )
+        check_zone_place(self.make(), array)
 
 
 class Safety(Struct, frozen=True, forbid_unknown_fields=True):

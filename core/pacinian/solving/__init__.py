@@ -16,6 +16,7 @@ What solvers share
     region_phases.py      phases of a region: those of one wave
     skin_phases.py        relaxes the phases of a region on skin, by Newton steps
     back_propagation.py   gains for many points if the deadline leaves no time for the Gram matrix
+    target_scaling.py     targets in units of gain that suit iterative solvers
     corrections.py        larger amplitudes where regularisation leaves pressure missing
     least_squares.py      gains of least norm for any shape and rank of B
     quiet_subspace.py     gains that leave quiet zones quiet: prepared once for each set of zones

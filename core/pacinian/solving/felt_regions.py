@@ -27,7 +27,8 @@ MERGE_DISTANCE = 1e-4  # samples up to this far apart count as one place [m]
 # MERGE_DISTANCE, and one that is not.
 NEAREST_QUERIED = 28
 TOUCHING_DISTANCE = 1e-5  # places up to this far from a transducer count as on it [m]
-BESIDE = 0.003, 0.004, 0.005  # distances of the places beside a region from the nearest sample [m]
+# Distances of the places beside a region from the nearest sample [m].
+BESIDE_DISTANCES = 0.003, 0.004, 0.005
 AROUND = 12  # number of directions from a sample to places beside its region
 MIN_FELT_SHARE = 0.5  # share of the target below which a place counts as a hole
 # Largest relative error of the force, and largest rms error, of a region that counts as even.
@@ -175,7 +176,7 @@ class FeltPlaces:
         m, n = first[count:], second[count:]
         away = points[m] - points[n]
         size = np.sqrt((away * away).sum(axis=1, keepdims=True))
-        r = rng.uniform(BESIDE[0], BESIDE[-1], (count, 1))
+        r = rng.uniform(BESIDE_DISTANCES[0], BESIDE_DISTANCES[-1], (count, 1))
         beside = points[m] + r * away / np.where(size > 0.0, size, 1.0)
         d = beside[:, None] - points[sounding]
         nearest = np.einsum("mok,mok->mo", d, d).min(axis=1)
@@ -296,9 +297,9 @@ def _around(points: Floats, radius: float, all_samples: KDTree) -> tuple[Floats,
         _, axes = np.linalg.eigh(away.T @ away)
         u, v = axes[:, 2], axes[:, 1]
         ring = np.cos(turns)[:, None] * u + np.sin(turns)[:, None] * v
-        places.append(np.concatenate([points[i] + r * ring for r in BESIDE]))
-        at.append(np.full(len(BESIDE) * AROUND, i))
+        places.append(np.concatenate([points[i] + r * ring for r in BESIDE_DISTANCES]))
+        at.append(np.full(len(BESIDE_DISTANCES) * AROUND, i))
     found, which = np.concatenate(places), np.concatenate(at)
-    wanted = np.tile(np.repeat(BESIDE, AROUND), len(points))
+    wanted = np.tile(np.repeat(BESIDE_DISTANCES, AROUND), len(points))
     free = all_samples.query(found)[0] >= 0.99 * wanted
     return found[free], which[free]

@@ -17,6 +17,7 @@ from pacinian.argument_checks import (
     refuse_masked,
 )
 from pacinian.errors import ArgumentError
+from pacinian.region_numbers import BESIDE, ISOLATED
 from pacinian.solving.quiet_zone import Zone
 
 if TYPE_CHECKING:
@@ -35,8 +36,6 @@ def _make_free_phases(count: int) -> Floats:
     return phi
 
 
-ISOLATED = -1  # region number of a point that belongs to no region
-BESIDE = -2  # region number of a point beside the regions, with target 0
 # Range of amplitudes that single precision can handle [Pa].
 MIN_AMPLITUDE, MAX_AMPLITUDE = 1e-30, 1e30
 
@@ -314,12 +313,12 @@ class Limits:
         """`gain`, or infinity for no limit."""
         return math.inf if self.gain is None else self.gain
 
-    def rms(self, count: int) -> float:
+    def compute_max_rms(self, count: int) -> float:
         """Return the largest root mean square that `count` gains can have under these limits."""
         power = math.inf if self.power is None else math.sqrt(self.power / count)
         return min(self.top_gain, power)
 
-    def exact_mask(self, count: int) -> Flags:
+    def make_exact_mask(self, count: int) -> Flags:
         """Return a flag for each of `count` samples: whether to meet it exactly, (count,). Raises ArgumentError."""
         flags = np.zeros(count, dtype=np.bool_)
         if self.exact is None:

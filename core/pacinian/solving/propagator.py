@@ -288,6 +288,11 @@ def gram_matrix(B: Complexes, out: Complexes | None = None) -> Complexes:
     return out
 
 
+def mean_square(gram: Complexes) -> float:
+    """Return trace(B B^H) / M [Pa^2] of a Gram matrix B B^H, (M, M): the scale of its regularisation; 0 if M is 0."""
+    return float(gram.diagonal().real.mean()) if len(gram) else 0.0
+
+
 def _single_gram(B: Gains, out: Complexes) -> None:
     """Write B B^H to `out`. For many rows, divide the columns among all cores."""
     M, N = B.shape

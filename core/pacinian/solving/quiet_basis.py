@@ -28,7 +28,8 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats, Gains
 
 MAX_ROWS_AT_ONCE = 64  # largest number of rows added to V at a time
-KEPT_SHARE = 0.75  # share of the limit that c(x) may make; the rest is for rounding
+# Share of the limit that c(x) may make; the rest allows for places between those that are checked, and for rounding.
+KEPT_SHARE = 0.75
 # V is enlarged until pressures are at most this share of what c(x) may make, so that new places are quiet, too.
 GROWN_SHARE = 0.4
 COMPRESSED_SHARE = 0.7  # the same, for V with the fewest rows

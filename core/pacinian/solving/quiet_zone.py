@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 # the server is silent while it prepares a zone, and larger zones take longer.
 MAX_RADIUS = 10.0
 PLACES_PER_BATCH = 2048  # number of places that `Zone.places` yields at a time
-GOLDEN = 1.0 / 1.2207440846057596 ** np.arange(1, 4)  # steps of a low-discrepancy sequence (R3)
+# Steps of a low-discrepancy sequence, R3.
+R3_STEPS = 1.0 / 1.2207440846057596 ** np.arange(1, 4)
 
 
 @dataclass(frozen=True)
@@ -66,7 +67,7 @@ class Zone:
         Any part of the sequence is spread evenly over the zone. Half of the places are on its surface.
         """
         number = np.arange(first, first + count)
-        u = np.modf((number[:, None] + 0.5) * GOLDEN)[0]
+        u = np.modf((number[:, None] + 0.5) * R3_STEPS)[0]
         z, angle = 2.0 * u[:, 0] - 1.0, 2.0 * np.pi * u[:, 1]
         across = np.sqrt(1.0 - z * z)
         ways = np.stack([across * np.cos(angle), across * np.sin(angle), z], axis=1)

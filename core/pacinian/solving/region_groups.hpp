@@ -11,7 +11,7 @@
 
 namespace pacinian::solving {
 
-constexpr i8 ISOLATED = -1;  // as in problem.py
+constexpr i8 ISOLATED = -1;  // as in region_numbers.py
 constexpr i8 BESIDE = -2;
 
 inline Index number(View<const i8, 1> regions, View<i8, 1> out) {

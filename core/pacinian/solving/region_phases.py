@@ -20,7 +20,7 @@ from pacinian.argument_checks import check_kind, check_numbers
 from pacinian.native import solving as kernels
 from pacinian.solving.factor import Factor
 from pacinian.solving.phases import initial_phases
-from pacinian.solving.propagator import gram_matrix
+from pacinian.solving.propagator import gram_matrix, mean_square
 from pacinian.solving.skin_phases import relax_phases
 
 if TYPE_CHECKING:
@@ -32,11 +32,11 @@ if TYPE_CHECKING:
 
 
 MIN_CONVERGENCE = 0.25  # smallest d'/d, see `joint_phases`
-ON_SKIN = 0.8  # smallest d'/d for samples on skin, which are less even
+MIN_CONVERGENCE_ON_SKIN = 0.8  # smallest d'/d for samples on skin, which are less even
 # Largest number of transducers whose power shows where the sound on skin comes from.
 MAX_SOURCES = 256
 # Golden ratio minus 1, whose multiples modulo 1 are evenly scattered.
-GOLDEN = 0.5 * (5.0**0.5 - 1.0)
+GOLDEN_FRACTION = 0.5 * (5.0**0.5 - 1.0)
 MAX_SUBSET = 128  # largest number of transducers used to compute the array's radius
 # If the mean of the transducers' normals is shorter than this, parts of the array face in different directions.
 MIN_COMMON_NORMAL = 0.75
@@ -44,8 +44,8 @@ MIN_COMMON_NORMAL = 0.75
 # another one if it is at most the second. If some are in between, the array is curved.
 SAME_COSINE, OTHER_COSINE = 0.7, 0.3
 # mu in the steps that turn a wave away from quiet zones, relative to the mean of diag(G).
-ASIDE = 0.1
-TURNS = 16  # number of steps that turn a wave away from quiet zones
+TURNING_MU = 0.1
+TURNING_STEPS = 16  # number of steps that turn a wave away from quiet zones
 # The steps that turn a wave away from quiet zones are skipped if the first saves at most this share of the cost.
 MIN_SAVED_SHARE = 0.07
 # The steps that turn a wave away from quiet zones have full length if the first saves at least this share of the cost.
@@ -122,13 +122,13 @@ def settle_phases(
     if propagator.facing is None:
         source, least = _find_centre(array), MIN_CONVERGENCE
     else:
-        source, least = _find_source(propagator, regions >= 0), ON_SKIN
+        source, least = _find_source(propagator, regions >= 0), MIN_CONVERGENCE_ON_SKIN
     kernels.waves(q, t, regions, some, source, k, least, tilt, wave)
     if propagator.quiet_subspace is not None:
         for number in range(int(regions.max()) + 1):
             own = regions == number
-            wave[own] = _aside(gram_matrix(propagator.B[own]), t[own], wave[own])
-    start, steps = initial_phases(M, None if warm is None else _phases(warm))
+            wave[own] = _turn_aside(gram_matrix(propagator.B[own]), t[own], wave[own])
+    start, steps = initial_phases(M, None if warm is None else _find_phases(warm))
     if keep and propagator.quiet_subspace is None:
         for number in range(int(regions.max()) + 1):
             own = regions == number
@@ -210,7 +210,7 @@ def _choose_scattered(count: int) -> Indices:
     """Return at most MAX_SOURCES of `count` indices, in order, so scattered that they favour no row or column."""
     if count <= MAX_SOURCES:
         return np.arange(count)
-    return np.unique((np.arange(MAX_SOURCES) * GOLDEN % 1.0 * count).astype(np.int64))
+    return np.unique((np.arange(MAX_SOURCES) * GOLDEN_FRACTION % 1.0 * count).astype(np.int64))
 
 
 def _keep_wave(t: Floats, wave: Floats, last: Floats) -> Floats:
@@ -225,7 +225,7 @@ def _keep_wave(t: Floats, wave: Floats, last: Floats) -> Floats:
     return last.copy() if kept else wave
 
 
-def _aside(G: Complexes, t: Floats, wave: Floats) -> Floats:
+def _turn_aside(G: Complexes, t: Floats, wave: Floats) -> Floats:
     """Return phases close to those of `wave`, (M,) [rad], for which quiet zones need weaker gains.
 
     The wave may run on into a zone. Steps p <- t exp(j arg(p - mu (G + mu I)^-1 p)) turn it away, because they remove
@@ -233,7 +233,7 @@ def _aside(G: Complexes, t: Floats, wave: Floats) -> Floats:
     are shorter if the first saves little, and none is taken if it saves no more than it would without zones.
     G: B B^H, (M, M). t: amplitudes, (M,).
     """
-    mu = ASIDE * float(G.diagonal().real.mean())
+    mu = TURNING_MU * mean_square(G)
     factor = Factor.of(G, mu)
     if not (factor.definite and t.any()):
         return wave
@@ -249,11 +249,11 @@ def _aside(G: Complexes, t: Floats, wave: Floats) -> Floats:
     after = turned(np.angle(p - rest))
     saved = 1.0 - float(np.vdot(after, costly(after)).real) / float(np.vdot(p, rest).real)
     step = float(np.clip((saved - MIN_SAVED_SHARE) / (FULL_STEP_SHARE - MIN_SAVED_SHARE), 0.0, 1.0))
-    for _ in range(TURNS if step else 0):
+    for _ in range(TURNING_STEPS if step else 0):
         p = turned(np.angle(p - step * costly(p)))
     return np.asarray(np.angle(p), np.float64)
 
 
-def _phases(warm: Solution) -> Floats:
+def _find_phases(warm: Solution) -> Floats:
     """Return the phases given to the solver last, if known, else the achieved ones, (M,) [rad]."""
     return warm.phases if warm.asked_phases is None else warm.asked_phases

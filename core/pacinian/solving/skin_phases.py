@@ -18,7 +18,7 @@ import numpy as np
 
 from pacinian.solving.blas import limit_blas_threads
 from pacinian.solving.linalg import lapack
-from pacinian.solving.propagator import gram_matrix
+from pacinian.solving.propagator import gram_matrix, mean_square
 
 if TYPE_CHECKING:
     from pacinian.solving.problem import Targets
@@ -26,11 +26,11 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Flags, Floats, Singles
 
 MU = 5e-3  # regularisation mu, relative to trace(B B^H) / M
-QUIET = 0.02  # weight of the squared errors of points beside regions; other points have 1
+BESIDE_WEIGHT = 0.02  # weight of the squared errors of points beside regions; other points have 1
 MAX_TRANSDUCERS = 500  # largest number of transducers that represent the array in B B^H
 MAX_SAMPLES = 480  # largest number of samples whose phases are relaxed
 # Largest number of steps from the phases of the wave, and from those of the last solution.
-COLD, WARM = 10, 2
+MAX_COLD_STEPS, MAX_WARM_STEPS = 10, 2
 DAMPING = 3e-3  # damping of the steps, relative to a sample's squared amplitude
 # Amplitude, relative to the largest, below which damping no longer falls.
 MIN_AMPLITUDE = 0.03
@@ -56,11 +56,11 @@ def relax_phases(
         if R is None:
             return wave
         size = np.asarray(t / t.max(), np.float32)
-        start, steps = wave, COLD
+        start, steps = wave, MAX_COLD_STEPS
         if before is not None:
             last = np.where(own, before, wave)
             if _cost(R, size, last) < _cost(R, size, wave):
-                start, steps = last, WARM
+                start, steps = last, MAX_WARM_STEPS
         return _step(R, size, own, start, steps)
 
 
@@ -69,11 +69,11 @@ def _invert(propagator: Propagator, beside: Flags) -> Complexes | None:
     B, N = propagator.B, len(propagator.array)
     some = np.ascontiguousarray(B[:, :: -(-N // MAX_TRANSDUCERS)])
     G = gram_matrix(some)
-    mean = float(G.diagonal().real.mean())
+    mean = mean_square(G)
     if not 0.0 < mean < np.inf:
         return None
     A = np.asarray(G / (MU * mean), np.complex64, order="F")
-    A.T.reshape(-1)[:: len(A) + 1] += np.where(beside, 1.0 / QUIET, 1.0)
+    A.T.reshape(-1)[:: len(A) + 1] += np.where(beside, 1.0 / BESIDE_WEIGHT, 1.0)
     A, failed = lapack.cpotrf(A, clean=0, overwrite_a=1)
     if failed:
         return None

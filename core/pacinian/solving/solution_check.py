@@ -52,7 +52,7 @@ def measure_violations(
     if limits.zones and (above := _compute_zone_excess(propagator, limits, targets)) > TOLERANCE:
         found["zones"] = above
     if limits.exact is not None:
-        chosen = limits.exact_mask(len(p))
+        chosen = limits.make_exact_mask(len(p))
         asked = targets.complex(np.angle(p))[chosen]
         size = float(np.linalg.norm(asked)) or targets.norm or 1.0
         missed = float(np.linalg.norm(asked - p[chosen])) / size

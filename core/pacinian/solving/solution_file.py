@@ -273,7 +273,7 @@ def _make_values(record: SolutionRecord) -> dict[str, Any]:
         gain=kept.gain, power=kept.power, quiet=quiet, exact=_unpack_optional(kept.exact, "ib"),
         zones=tuple(Zone(zone.position, pressure=zone.pressure, radius=zone.radius) for zone in kept.zones),
     )  # fmt: skip
-    limits.exact_mask(M)
+    limits.make_exact_mask(M)
     if record.status not in Status.__members__:
         raise ArgumentError("status", f"must be one of {', '.join(Status.__members__)}")
     medium = Air(**msgspec.structs.asdict(record.medium))

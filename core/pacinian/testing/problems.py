@@ -9,7 +9,8 @@ import numpy as np
 
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.propagation import matrix
-from pacinian.solving.problem import BESIDE, Limits, Targets
+from pacinian.region_numbers import BESIDE
+from pacinian.solving.problem import Limits, Targets
 from pacinian.solving.region_phases import joint_phases
 from pacinian.testing.shapes import (
     HEIGHT,

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from pacinian.viewing.region_error import Regions
 
 MAX_PAIRS = 5e7  # maximum number of point-transducer pairs per batch: 0.1 s of processor time
-CALM = 10  # niceness of the process: a tenth of what others get, because a hundredth would stop the pictures
+FIELD_NICENESS = 10  # niceness of the process: a tenth of what others get, because a hundredth would stop the pictures
 MAX_FIELDS = 16  # maximum number of fields that are computed for one slice
 NEGLIGIBLE = 1e-5  # share of the power of all frames that may be left out
 
@@ -109,7 +109,7 @@ class FieldWorker:
         if self._closed:
             raise ArgumentError("slice", "cannot be computed: the viewer ends")
         if self._process is None:
-            self._process = FieldProcess(CALM)
+            self._process = FieldProcess(FIELD_NICENESS)
         return self._process
 
     def close(self) -> None:

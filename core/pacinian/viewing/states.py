@@ -28,9 +28,10 @@ if TYPE_CHECKING:
     from pacinian.viewing.hub import Hub
     from pacinian.wire.connection_file import Connection
 
-SILENT = 2.0  # time without a state after which the server is lost [s]
+MAX_STATE_AGE = 2.0  # time without a state after which the server is lost [s]
 MAX_WAITING = 16  # maximum number of messages that wait in the socket
-RARELY = 0.2  # interval of histograms, and of polls of an empty scene and of the properties [s]
+# Interval of histograms, and of polls of an empty scene and of the properties [s].
+SLOW_INTERVAL = 0.2
 ARRAY = set(ArrayMessage.__struct_fields__) - {"server", "fields"}  # as in the wire's `abilities`
 
 
@@ -80,17 +81,17 @@ class StateReader:
             self._came = now
             with suppress(*WRONG):  # skip a damaged one
                 self._state(news[STATE], now)
-        elif now - self._came > SILENT:
-            raise ConnectionLost(f"the server has published no state within {SILENT:g} s")
+        elif now - self._came > MAX_STATE_AGE:
+            raise ConnectionLost(f"the server has published no state within {MAX_STATE_AGE:g} s")
         for data in frames:
             with suppress(*WRONG):
                 self._frame(data)
         if frames:
             self._post(self._hub.put, "frame", frames[-1])
         self._emit()
-        if self._changed and now >= self._asked + RARELY:
+        if self._changed and now >= self._asked + SLOW_INTERVAL:
             self._array(now)
-        if self._shows and (self._scenery.poses or now >= self._looked + RARELY):
+        if self._shows and (self._scenery.poses or now >= self._looked + SLOW_INTERVAL):
             self._looked = now
             self._show()
 
@@ -142,7 +143,7 @@ class StateReader:
             return
         self._post(self._hub.put, "state", data)
         self._changed |= state.backend != self._backend
-        if state.tick_counts and now >= self._counted + RARELY:
+        if state.tick_counts and now >= self._counted + SLOW_INTERVAL:
             self._counted = now
             self._post(
                 self._hub.put,

@@ -8,7 +8,7 @@ from msgspec.msgpack import Decoder
 
 from pacinian.argument_checks import check_kind
 from pacinian.scene import objects as scene
-from pacinian.scene.material import FIRM, Material
+from pacinian.scene.material import DEFAULT_MATERIAL, Material
 from pacinian.scene.modulation.technique import SIMULTANEOUS
 from pacinian.scene.motion import Motion
 from pacinian.wire import objects
@@ -39,7 +39,7 @@ __all__ = [
     "to_wire",
 ]
 
-SOFT = objects.Material()
+DEFAULT_WIRE_MATERIAL = objects.Material()
 _objects: Decoder[objects.Object] = Decoder(objects.Object)
 
 
@@ -71,8 +71,8 @@ def _to_scene(name: str, item: objects.Object, time: float) -> scene.Object:
         "force": item.force,
         "envelope": envelope_to_scene(item.envelope, ".envelope"),
         "technique": technique_to_scene(technique, ".technique") if technique else SIMULTANEOUS,
-        "material": FIRM
-        if material == SOFT
+        "material": DEFAULT_MATERIAL
+        if material == DEFAULT_WIRE_MATERIAL
         else Material(stiffness=material.stiffness, reach=material.reach),
         "motion": motion and Motion(motion.velocity, motion.angular_velocity, time),
         "priority": item.priority,

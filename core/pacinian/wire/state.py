@@ -14,7 +14,7 @@ from pacinian.wire.silence_cause import Silence
 
 STATE, FRAME = b"state", b"frame"
 MAX_LISTED_FAULTS = 3
-OWN_SCENE = "own "  # beginning of the name of a scene that belongs to one client
+PRIVATE_SCENE_PREFIX = "own "  # of the names of private scenes, which no other client may join
 HAND_BYTES = 26 * 3 * 4  # size of the joints of one hand in `State.hands` [bytes]
 
 Output = Literal[
@@ -86,32 +86,32 @@ class TouchState(Struct, frozen=True, kw_only=True):
 class State(Struct, frozen=True, kw_only=True, tag_field="type", tag="state"):
     """The emitted output and the health of the server. Published, and sent as the answer to `status`.
 
-    id: `id` of the `status` that it answers; 0 if it is published. sequence: increases with each message. time:
-    reading of the server's clock [s]. output: one of the values below. armed: whether the output may sound. owner:
-    name of the client that owns the output; empty if there is none. scene: name of the active scene. solver,
-    backend: name of the plug-in in use. technique: technique in use. intensity: factor on all radiation pressures.
-    points: positions of the samples, (M, 3) float32 [m]. normals: normals of the samples, (M, 3) float32. asked:
-    target radiation pressure of each sample, (M,) float32 [Pa]. achieved: radiation pressure of each sample from
-    the gains as emitted, (M,) float32 [Pa]; while the field is steered with an object, where it was solved for.
-    index: index into `objects` of each sample, (M,) little-endian int32. objects: names of the rendered objects.
-    hands: joints of the rendered hands, (hands, 26, 3) float32 [m]. error: relative error of the sound pressures at
-    the samples, as emitted. felt: quality of each of `objects` over all touched skin or, in free air, between its
-    samples, (objects, 4) little-endian float32: force over target force; rms error over rms target; share of the
-    region with less than half of its target; highest radiation pressure 3 to 30 mm beside the region over the mean
-    target. Computed from the gains as emitted at the last evaluations; NaN for an object without a region; since
-    protocol 1.1. status: status of the last tick. ticks: number of ticks so far. late: number of late ticks. rate:
-    ticks per second [Hz]. tick_ms: median, 99th percentile and maximum of the tick times of the last second [ms].
-    frames: number of frames that the device has accepted. longest_gap: longest time between two frames while armed
-    [s]. skipped: counts of work that was left out, by reason. faults: objects that could not be put, and the last
-    faults, newest last. fault_count: number of all faults. restarts: number of restarts of each process of the
-    server, by name. inputs: each hand update that reached the device since the last state, (K, 4) little-endian
-    float64: sequence, client's time, and times of receipt and emission by the server's clock [s]. clients: clients
-    that are connected. tick_counts: histogram of the tick times of the last second, (64,) little-endian uint32; bin k
-    counts ticks of 10^(k/16 - 2) to 10^((k+1)/16 - 2) ms, and the first and last bins also those beyond; since
-    protocol 1.1. cause: why the output is silent, for programs, as in the table below; empty if it sounds; since
-    protocol 1.1. why: the same with what to do, for people; since protocol 1.1. touches: hands that feel an object,
-    computed as if every envelope were at its maximum, so that the list does not flicker with the modulation; since
-    protocol 1.1. presentation: the technique in use with its parameters; since protocol 1.1.
+    id: `id` of the `status` that it answers; 0 if it is published. sequence: increases with each message. time: reading
+    of the server's clock [s]. output: one of the values below. armed: whether the output may sound. owner: name of the
+    client that owns the output; empty if there is none. scene: name of the active scene. solver, backend: name of the
+    plug-in in use. technique: technique in use. intensity: factor on all radiation pressures. points: positions of the
+    samples, (M, 3) float32 [m]. normals: normals of the samples, (M, 3) float32. asked: target radiation pressure of
+    each sample, (M,) float32 [Pa]. achieved: radiation pressure of each sample from the gains as emitted, (M,) float32
+    [Pa]; while the field is steered with an object, where it was solved for. index: index into `objects` of each
+    sample, (M,) little-endian int32. objects: names of the rendered objects. hands: joints of the rendered hands,
+    (hands, 26, 3) float32 [m]. error: relative error of the sound pressures at the samples, as emitted. felt: quality
+    of each of `objects` over all touched skin or, in free air, between its samples, (objects, 4) little-endian float32:
+    force over target force; rms error over rms target; share of the region with less than half of its target; highest
+    radiation pressure beside the region (3 to 30 mm on skin, 3 to 5 mm in free air) over the mean target. Computed from
+    the gains as emitted at the last evaluations; NaN for an object without a region; since protocol 1.1. status: status
+    of the last tick. ticks: number of ticks so far. late: number of late ticks. rate: ticks per second [Hz]. tick_ms:
+    median, 99th percentile and maximum of the tick times of the last second [ms]. frames: number of frames that the
+    device has accepted. longest_gap: longest time between two frames while armed [s]. skipped: counts of work that was
+    left out, by reason. faults: objects that could not be put, and the last faults, newest last. fault_count: number of
+    all faults. restarts: number of restarts of each process of the server, by name. inputs: each hand update that
+    reached the device since the last state, (K, 4) little-endian float64: sequence, client's time, and times of receipt
+    and emission by the server's clock [s]. clients: clients that are connected. tick_counts: histogram of the tick
+    times of the last second, (64,) little-endian uint32; bin k counts ticks of 10^(k/16 - 2) to 10^((k+1)/16 - 2) ms,
+    and the first and last bins also those beyond; since protocol 1.1. cause: why the output is silent, for programs, as
+    in the table below; empty if it sounds; since protocol 1.1. why: the same with what to do, for people; since
+    protocol 1.1. touches: hands that feel an object, computed as if every envelope were at its maximum, so that the
+    list does not flicker with the modulation; since protocol 1.1. presentation: the technique in use with its
+    parameters; since protocol 1.1.
     """
 
     id: Id = 0
@@ -238,7 +238,7 @@ class FrameState(Struct, frozen=True, kw_only=True, tag_field="type", tag="frame
 
 
 def _describe_scene(scene: str) -> str:
-    return "its own scene" if scene.startswith(OWN_SCENE) else f"scene {scene}"
+    return "its own scene" if scene.startswith(PRIVATE_SCENE_PREFIX) else f"scene {scene}"
 
 
 STATES = State, FrameState

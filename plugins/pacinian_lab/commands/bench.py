@@ -30,11 +30,6 @@ if TYPE_CHECKING:
     from pacinian_lab.solvers.rows import Row
     from pacinian_lab.solvers.worker_process import Worker
 
-# units, points, levels, seeds, seconds
-NORMAL = ([1, 4, 9], [4, 16, 64], [0.5, 1.0], 3, 0.1)
-QUICK = ([1, 9], [4, 16], [0.5, 1.0], 1, 0.02)
-LARGE = ([9], [256, 1024], [0.5, 1.0], 1, 1.0)
-
 
 def several(kind: Callable[[str], Any]) -> Callable[..., list[Any] | None]:
     """Return a click callback that reads comma-separated values."""
@@ -123,10 +118,10 @@ def bench(
         return
     from pacinian.plugins.registry import discover_plugins
     from pacinian_lab.solvers import report, run
-    from pacinian_lab.solvers.problems import problems
+    from pacinian_lab.solvers.problems import LARGE, NORMAL, QUICK, problems
 
     preset = LARGE if large else QUICK if quick else NORMAL
-    for name, value in zip(("units", "points", "levels", "seeds", "seconds"), preset, strict=True):
+    for name, value in preset._asdict().items():
         chosen[name] = value if chosen[name] is None else chosen[name]
     todo = problems(chosen["units"], chosen["points"], chosen["levels"], chosen["seeds"])
     for name in solvers or ():

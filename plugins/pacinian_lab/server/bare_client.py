@@ -41,7 +41,7 @@ def socket(
     return made
 
 
-class Peer:
+class BareClient:
     """A session. name: of the client. scene: the shared scene. key: of the session. Raises ServerError, Refused.
 
     notices: counts of unsolicited messages and errors from the server, by code.

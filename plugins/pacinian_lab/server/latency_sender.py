@@ -19,7 +19,7 @@ from pacinian.wire.control import Arm
 from pacinian.wire.modulation import Sine
 from pacinian.wire.state import State
 from pacinian_lab.server import worker_process
-from pacinian_lab.server.bare_client import Peer, States, socket
+from pacinian_lab.server.bare_client import BareClient, States, socket
 from pacinian_lab.server.echo import Echo
 from pacinian_lab.server.quantiles import Quantiles
 
@@ -118,10 +118,12 @@ def pace_calls(
 class Sender:
     """Sends hands and stores the results. context: of its sockets."""
 
-    def __init__(self, context: zmq.Context[Any], task: Task, peer: Peer, states: States) -> None:
-        self.task, self.peer, self.states = task, peer, states
+    def __init__(
+        self, context: zmq.Context[Any], task: Task, client: BareClient, states: States
+    ) -> None:
+        self.task, self.client, self.states = task, client, states
         self.frames = hands()
-        message = Hands(session=peer.key, sequence=2**40, time=1.0, hands=(self.frames[0],))
+        message = Hands(session=client.key, sequence=2**40, time=1.0, hands=(self.frames[0],))
         self.payload = codec.encode(message)
         self._echo = socket(context, zmq.DEALER, task.echo.endpoint, task.echo.token)
         self._echo.rcvtimeo = self._echo.sndtimeo = 10_000
@@ -131,10 +133,10 @@ class Sender:
     def hand(self) -> None:
         """Send the pose for the current time."""
         frame = self.frames[int(1000.0 * time.perf_counter()) % 1000]
-        self._sent += self.peer.send(Hands, hands=(frame,))
+        self._sent += self.client.send(Hands, hands=(frame,))
         if time.perf_counter() > self._renewed + RENEW:
             self._renewed = time.perf_counter()
-            self.peer.renew_nowait()
+            self.client.renew_nowait()
         self.seen += self.states.new()
 
     def trip(self) -> None:
@@ -146,18 +148,18 @@ class Sender:
 
     def measure(self) -> Times:
         """Measure the echo alone, then together with the hands."""
-        task, peer = self.task, self.peer
+        task, client = self.task, self.client
         self.trip()
         pace_calls(task.rate, min(max(1.0, 0.2 * task.seconds), ALONE), lambda: None, self.trip)
         alone = Quantiles.of(self.trips[1:])
-        peer.ask(Put, objects={"points": points()})
-        peer.ask(Hands, hands=(self.frames[0],))
-        peer.request(Arm)
+        client.ask(Put, objects={"points": points()})
+        client.ask(Hands, hands=(self.frames[0],))
+        client.request(Arm)
         pace_calls(task.rate, min(WARM, task.seconds), self.hand, lambda: None)
         self.trips, self.seen, self._sent = [], [], 0
-        first = peer.sequence
+        first = client.sequence
         pace_calls(task.rate, task.seconds, self.hand, self.trip)
-        last, sent = peer.sequence, self._sent
+        last, sent = client.sequence, self._sent
         pace_calls(task.rate, SETTLE, self.hand, lambda: None)
         return self._times(alone, first, last, sent)
 
@@ -197,8 +199,8 @@ def main() -> None:
     connection = Connection.read(task.connection)
     context = zmq.Context[Any]()
     states = States(context, connection)
-    with Peer(context, connection, "sender", "") as peer:
-        sender = Sender(context, task, peer, states)
+    with BareClient(context, connection, "sender", "") as client:
+        sender = Sender(context, task, client, states)
         worker_process.answer(sender.measure())
         sender.close()
     states.close()

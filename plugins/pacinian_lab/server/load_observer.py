@@ -15,7 +15,7 @@ from pacinian.wire.connection_file import Connection
 from pacinian.wire.control import Arm
 from pacinian.wire.state import ClientState, State
 from pacinian_lab.server import positions, worker_process
-from pacinian_lab.server.bare_client import Peer, States
+from pacinian_lab.server.bare_client import BareClient, States
 from pacinian_lab.server.quantiles import Quantiles
 
 NAME = "watcher"
@@ -87,25 +87,25 @@ class Watcher:
         self._connection = Connection.read(watch.connection)
         self.states = States(context, self._connection)
         self.lost = 0
-        self.peer = self._connect_peer()
+        self.client = self._connect()
 
-    def _connect_peer(self) -> Peer:
-        peer = Peer(self._context, self._connection, NAME, self._scene)
-        peer.request(Arm, take=True)
-        return peer
+    def _connect(self) -> BareClient:
+        client = BareClient(self._context, self._connection, NAME, self._scene)
+        client.request(Arm, take=True)
+        return client
 
     def ping(self) -> float | None:
         """Return a round trip [s], or None if it failed. Counts a lost session or lease and restores it."""
         try:
-            trip = self.peer.renew()
-            if self.peer.notices.pop("expired", 0):
+            trip = self.client.renew()
+            if self.client.notices.pop("expired", 0):
                 self.lost += 1
-                self.peer.request(Arm)
+                self.client.request(Arm)
         except ServerError as error:
             self.lost += 1
             if getattr(error, "code", "") == "session":
-                self.peer.close(bye=False)
-                self.peer = self._connect_peer()
+                self.client.close(bye=False)
+                self.client = self._connect()
             return None
         return trip
 
@@ -172,7 +172,7 @@ class Watcher:
 
     def close(self) -> None:
         """Leave the session."""
-        self.peer.close()
+        self.client.close()
         self.states.close()
 
 

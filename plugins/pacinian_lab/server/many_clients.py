@@ -13,7 +13,7 @@ from pacinian.errors import ServerError
 from pacinian.wire.commands import Move, Put
 from pacinian.wire.connection_file import Connection
 from pacinian_lab.server import positions, worker_process
-from pacinian_lab.server.bare_client import Peer
+from pacinian_lab.server.bare_client import BareClient
 
 WAKE = 0.001  # [s]
 RENEW = 1.0  # [s]
@@ -58,18 +58,18 @@ class Members:
 
     def __init__(self, context: zmq.Context[Any], crowd: Crowd) -> None:
         connection = Connection.read(crowd.connection)
-        self.peers = {
-            n: Peer(context, connection, f"client {n}", crowd.scene) for n in crowd.clients
+        self.clients = {
+            n: BareClient(context, connection, f"client {n}", crowd.scene) for n in crowd.clients
         }
         self.own = [
-            (self.peers[i % crowd.of], i)
+            (self.clients[i % crowd.of], i)
             for i in range(crowd.objects)
-            if i % crowd.of in self.peers
+            if i % crowd.of in self.clients
         ]
         self._turn, self._renewed = 0, 0.0
         now = time.perf_counter()
-        for peer, i in self.own:
-            peer.ask(Put, objects={positions.name(i): positions.point(i, now)})
+        for client, i in self.own:
+            client.ask(Put, objects={positions.name(i): positions.point(i, now)})
 
     def push(self, push: Push) -> Done:
         """Move the objects in turn."""
@@ -80,10 +80,10 @@ class Members:
             due = int(push.rate * max(0.0, now - push.begin))
             asked, todo = due, due - asked
             for _ in range(min(todo, max(1, int(BEHIND * push.rate)))):
-                peer, i = self.own[self._turn]
+                client, i = self.own[self._turn]
                 self._turn = (self._turn + 1) % len(self.own)
                 now = time.perf_counter()
-                done = peer.send(
+                done = client.send(
                     Move, time=now, names=(positions.name(i),), poses=positions.pose(i, now)
                 )
                 sent, full = sent + done, full + (not done)
@@ -93,11 +93,11 @@ class Members:
     def place(self, place: Place) -> Done:
         """Put all objects where the observer expects them, and wait for each reply."""
         refused = Counter[str]()
-        for peer, i in self.own:
+        for client, i in self.own:
             self._renew(time.perf_counter())
             pose = positions.pose(i, place.t, place.group)
             try:
-                peer.ask(Move, names=(positions.name(i),), poses=pose)
+                client.ask(Move, names=(positions.name(i),), poses=pose)
             except ServerError as error:
                 refused[getattr(error, "code", "no answer")] += 1
         sent = len(self.own) - refused.total()
@@ -106,19 +106,19 @@ class Members:
     def _renew(self, now: float) -> None:
         if now > self._renewed + RENEW:
             self._renewed = now
-            for peer in self.peers.values():
-                peer.renew_nowait()
+            for client in self.clients.values():
+                client.renew_nowait()
 
     def _collect_counts(self) -> dict[str, int]:
-        counts = sum((peer.notices for peer in self.peers.values()), Counter[str]())
-        for peer in self.peers.values():
-            peer.notices.clear()
+        counts = sum((client.notices for client in self.clients.values()), Counter[str]())
+        for client in self.clients.values():
+            client.notices.clear()
         return dict(counts)
 
     def close(self) -> None:
         """Close all clients."""
-        for peer in self.peers.values():
-            peer.close()
+        for client in self.clients.values():
+            client.close()
 
 
 def main() -> None:

@@ -4,12 +4,12 @@ A contestant is any solver that is measured. A peer is another project, with its
 project's solvers. An entry is a contestant in one mode, such as "cold" or "warm".
 
 run.py             every entry solves one problem before the next
-problems.py        random points before AUTD arrays; the evaluator's own B
+problems.py        random points before AUTD arrays, and how many of them by default; the evaluator's own B
 targets.py         targets for Pacinian's solvers (ratios within a run), and how often they are met
 score.py           error of the pressures that gains make, also with 8-bit levels
 timing.py          time and memory of a call: quantiles, warm-up
 worker.py          what runs in a worker: JSON lines on standard input and output
-worker_process.py  starts a worker, asks it with a time limit, kills and restarts it
+worker_process.py  starts a worker, asks it with a time limit, kills and restarts it; also a process with JSON lines
 workers/           the solvers of each project, for its worker
 peers.py           Python environments of the peers, built by .ci/peers
 rows.py            measurements, as CSV and JSON

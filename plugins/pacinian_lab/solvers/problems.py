@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -24,6 +24,25 @@ AIR = Air(speed_of_sound=SPEED, density=1.2)
 WAVENUMBER = 2.0 * math.pi * FREQUENCY / SPEED  # [rad/m]
 SIDE, DISTANCE = 0.2, 0.2  # [m] of the square: its side, its distance from the array's centre plane
 STEP, FRAMES = 1e-3, 6  # [m]; between warm solves, points move around a hexagon of side STEP
+
+
+class Preset(NamedTuple):
+    """Which problems a run solves, all combinations, and for how long.
+
+    units: AUTD units. points: numbers of points. levels: as in `Problem`. seeds: number of problems of each kind.
+    seconds: time to measure each solver on each problem [s].
+    """
+
+    units: list[int]
+    points: list[int]
+    levels: list[float]
+    seeds: int
+    seconds: float
+
+
+NORMAL = Preset(units=[1, 4, 9], points=[4, 16, 64], levels=[0.5, 1.0], seeds=3, seconds=0.1)
+QUICK = Preset(units=[1, 9], points=[4, 16], levels=[0.5, 1.0], seeds=1, seconds=0.02)
+LARGE = Preset(units=[9], points=[256, 1024], levels=[0.5, 1.0], seeds=1, seconds=1.0)
 
 
 def matrix(positions: Floats, points: Floats) -> Complexes:

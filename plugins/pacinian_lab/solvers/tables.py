@@ -11,6 +11,7 @@ from rich.box import SIMPLE_HEAD
 from rich.table import Table
 from rich.text import Text
 
+from pacinian.plot.pareto_front import SHOWN_MODES
 from pacinian_lab.solvers.run import REFERENCE
 from pacinian_lab.solvers.targets import TARGETS
 
@@ -20,8 +21,6 @@ if TYPE_CHECKING:
     from pacinian_lab.solvers.rows import Row
     from pacinian_lab.solvers.summary import Cell, Growth
     from pacinian_lab.solvers.targets import Verdict
-
-SHOWN_MODES = ("cold", "warm", REFERENCE)
 
 
 def results(cells: Sequence[Cell]) -> list[Table]:

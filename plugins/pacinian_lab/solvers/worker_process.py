@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pacinian.closeable import Closeable
 from pacinian.errors import PacinianError
 
 if TYPE_CHECKING:
@@ -36,6 +37,49 @@ class WorkerError(PacinianError):
     """A worker crashed, hung, or gave an invalid answer."""
 
 
+class JsonLineProcess(Closeable):
+    """A process that reads and writes JSON lines. As a context manager, ends the process on exit.
+
+    options: of `subprocess.Popen`. Raises OSError if the process cannot be started.
+    """
+
+    def __init__(self, command: Sequence[str], **options: Any) -> None:
+        pipe = subprocess.PIPE
+        self.process = subprocess.Popen(command, stdin=pipe, stdout=pipe, **options)
+        self._lines = queue.SimpleQueue[bytes]()
+        threading.Thread(target=self._pump, daemon=True).start()
+
+    def _pump(self) -> None:
+        """Put the lines of the process's output into the queue, and an empty line at the end."""
+        with contextlib.suppress(OSError, ValueError):  # closed while reading
+            for line in self.process.stdout or ():
+                self._lines.put(line)
+        self._lines.put(b"")
+
+    def write_line(self, line: bytes) -> None:
+        """Write a line. Raises OSError if the process has ended."""
+        stream = self.process.stdin
+        assert stream is not None
+        stream.write(line + b"\n")
+        stream.flush()
+
+    def read_line(self, limit: float) -> bytes:
+        """Return the next line, or an empty one if the process has ended. Raises TimeoutError after `limit` seconds."""
+        try:
+            return self._lines.get(timeout=limit)
+        except queue.Empty:
+            raise TimeoutError(f"no line within {limit:g} s") from None
+
+    def close(self) -> None:
+        """Kill the process."""
+        self.process.kill()
+        self.process.wait()
+        for stream in (self.process.stdin, self.process.stdout):
+            if stream is not None:
+                with contextlib.suppress(OSError):
+                    stream.close()
+
+
 class Worker:
     """A process that answers each JSON line with one JSON line.
 
@@ -46,7 +90,7 @@ class Worker:
     def __init__(self, name: str, command: Sequence[str], threads: int) -> None:
         self.name, self.command, self.threads = name, list(command), threads
         self.versions: dict[str, str] = {}
-        self._process: subprocess.Popen[str] | None = None
+        self._process: JsonLineProcess | None = None
         self._offers: list[tuple[str, str]] = []
 
     @classmethod
@@ -65,14 +109,11 @@ class Worker:
         """Send a message and return the answer. Raises WorkerError, also after `limit` seconds."""
         self.offers()
         process = self._process
-        if process is None or process.stdin is None:
+        if process is None:
             raise WorkerError("is not running")
-        try:
-            process.stdin.write(json.dumps(message) + "\n")
-            process.stdin.flush()
-        except OSError:  # the process has ended; reading reports how
-            pass
-        reply = self._read(limit)
+        with contextlib.suppress(OSError):  # the process has ended; reading reports how
+            process.write_line(json.dumps(message).encode())
+        reply = self._read(process, limit)
         if "error" in reply:
             raise WorkerError(f"failed: {reply['error']}")
         return reply
@@ -80,15 +121,9 @@ class Worker:
     def close(self) -> None:
         """End the process."""
         process, self._process = self._process, None
-        if process is None:
-            return
-        process.kill()
-        process.wait()
-        for stream in (process.stdin, process.stdout):
-            if stream is not None:
-                with contextlib.suppress(OSError):
-                    stream.close()
-        self._errors.close()
+        if process is not None:
+            process.close()
+            self._errors.close()
 
     def _start(self) -> None:
         environment = {
@@ -98,17 +133,13 @@ class Worker:
             "PYTHONWARNINGS": "ignore",
         }
         self._errors = tempfile.TemporaryFile(mode="w+", errors="replace")  # noqa: SIM115
-        self._lines: queue.SimpleQueue[str] = queue.SimpleQueue()
         try:
-            self._process = subprocess.Popen(
-                self.command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._errors,
-                text=True, encoding="utf-8", env=environment,
-            )  # fmt: skip
+            process = JsonLineProcess(self.command, stderr=self._errors, env=environment)
         except OSError as error:
             self._errors.close()
             raise WorkerError(f"cannot be started: {error}") from error
-        threading.Thread(target=_pump, args=(self._process, self._lines), daemon=True).start()
-        reply = self._read(START)
+        self._process = process
+        reply = self._read(process, START)
         try:
             self._offers = [(str(solver), str(mode)) for solver, mode in reply["offers"]]
             self.versions = dict(reply["versions"])
@@ -116,10 +147,10 @@ class Worker:
             self.close()
             raise WorkerError(f"does not say what it offers: {error!r}") from error
 
-    def _read(self, limit: float) -> dict[str, Any]:
+    def _read(self, process: JsonLineProcess, limit: float) -> dict[str, Any]:
         try:
-            line = self._lines.get(timeout=limit)
-        except queue.Empty:
+            line = process.read_line(limit)
+        except TimeoutError:
             self.close()
             raise WorkerError(f"timed out after {limit:g} s") from None
         if not line:
@@ -154,11 +185,3 @@ def check_array(name: str, array: Complexes | Floats, shape: tuple[int, ...]) ->
         raise WorkerError(f"returned {name} of shape {array.shape}, not {shape}")
     if not np.isfinite(array).all():
         raise WorkerError(f"returned {name} that are not finite")
-
-
-def _pump(process: subprocess.Popen[str], lines: queue.SimpleQueue[str]) -> None:
-    """Put the lines of the process's output into the queue, and an empty line at the end."""
-    with contextlib.suppress(OSError, ValueError):
-        for line in process.stdout or ():
-            lines.put(line)
-    lines.put("")

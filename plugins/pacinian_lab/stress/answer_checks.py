@@ -96,7 +96,7 @@ def _check_points(case: Case, solution: Solution, g: Complexes) -> Iterator[tupl
         if infeasible or (loud > 0.0).any():
             yield "quiet", f"{loud.max():.2g} Pa too loud, status {solution.status.name}"
     if case.limits.exact is not None and not infeasible:
-        some = case.limits.exact_mask(len(case.points))
+        some = case.limits.make_exact_mask(len(case.points))
         asked = float(np.linalg.norm(case.targets.amplitudes[some]))
         missed = float(np.linalg.norm(solution.residual[some])) / (asked or 1.0)
         if missed > MET:

@@ -11,7 +11,8 @@ import numpy as np
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.array import autd
 from pacinian.errors import PointOnTransducer
-from pacinian.solving.problem import BESIDE, ISOLATED, Limits
+from pacinian.region_numbers import BESIDE, ISOLATED
+from pacinian.solving.problem import Limits
 from pacinian.testing.shapes import (
     Shape,
     make_finger,

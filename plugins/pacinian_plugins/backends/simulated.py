@@ -26,7 +26,7 @@ class Simulated(pc.Backend):
     """An array that exists in memory only.
 
     phases, amplitudes: levels, as in `pacinian.Capability`; 256 of each by default, like AUTD3 (the paper's device
-    has 320 amplitudes). rate: frames per second [Hz]. keep: number of recent frames stored in `frames`.
+    has 320 amplitudes). rate: rows per second [Hz]. keep: number of recent frames stored in `frames`.
     wait: function called with the delay [s] of a delayed frame.
 
     Use `drop`, `delay`, `stall`, `refuse_silence` and `disconnect` to inject faults in tests.

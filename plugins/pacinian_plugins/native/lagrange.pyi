@@ -152,11 +152,11 @@ def curvature(B: Gains, sample: Longs, u: Singles, h: Singles, mu: float, few: b
 
 def solve_dual(B: Gains, G: Complexes, mu: float, steps: int, enough: float, workspace: Workspace, unit: float, out: Gains) -> int:
     """
-    Solve Re(conj(u_k) (B h(B^H y) + y)) = t_k by Newton steps on the multipliers y, then `certify` and `deliver`.
+    Solve Re(conj(u_k) (B h(B^H y) + y)) = t_k by Newton steps on the multipliers y, then `certify` and `write_gains`.
 
     One equation per sample where its phase is `free`, along the phasor of the pressure made, two where it is fixed.
     G: B B^H, (M, M). mu: [Pa^2]. steps: at most. enough: ||F|| / ||p|| to stop at. workspace: has the targets p and the
-    multipliers y to start from; the kernel writes y, h, made, error, cost and stalled. unit, out: as of `deliver`.
+    multipliers y to start from; the kernel writes y, h, made, error, cost and stalled. unit, out: as of `write_gains`.
     Returns the number of steps, negative if they came to nothing.
     """
 
@@ -167,7 +167,7 @@ def certify(mu: float, workspace: Workspace) -> None:
     workspace: with p, free, y, h, made, and cost at y.
     """
 
-def deliver(h: Singles, unit: float, out: Gains) -> None:
+def write_gains(h: Singles, unit: float, out: Gains) -> None:
     """
     Write the gains, (N,), of those in units of the limit, h, (2 or more, N).
     """

@@ -11,6 +11,7 @@ from msgspec import Meta
 
 import pacinian as pc
 from pacinian.argument_checks import check_integer
+from pacinian.solving.solution_metrics import AT_LIMIT
 from pacinian_plugins.native.greedy import choose
 
 if TYPE_CHECKING:
@@ -22,8 +23,6 @@ BLOCK = 2_000_000  # pressures evaluated between two checks of the clock: some m
 AIM = 0.7  # targets relative to a focus at the common drive
 LOUD = 0.9  # the same for scale="max", at full drive
 MAX_RATIO = 10.0  # largest value of that ratio, so that single precision resolves one transducer
-
-AT_LIMIT = 1.0 - 1e-6
 
 
 @dataclass(frozen=True)
@@ -70,13 +69,13 @@ class Greedy(pc.Solver):
         t = np.where(reach > 0.0, targets.amplitudes, 0.0)
         if not t.any():
             return pc.Result(note="no transducer reaches the points")
-        t, drive = _relative(t, float(reach[t > 0.0].mean()), targets.scale, limits.gain)
+        t, drive = _choose_drive(t, float(reach[t > 0.0].mean()), targets.scale, limits.gain)
         given = np.exp(1j * np.where(targets.free, 0.0, targets.phases))
         fixed = np.where(targets.free, 0.0, t) * given  # subtracted, so that their target becomes 0
         h = np.zeros(N, np.complex64) if warm is None else _unit(warm.gains)
         p = B @ h - fixed
         parts = np.array([h.real, h.imag], np.float32), np.array([p.real, p.imag], np.float32)
-        done, late = self._go(columns, np.where(targets.free, t, 0.0), *parts, budget)
+        done, late = self._pass_over(columns, np.where(targets.free, t, 0.0), *parts, budget)
         h, p = parts[0][0] + 1j * parts[0][1], parts[1][0] + 1j * parts[1][1] + fixed
         asked = np.where(targets.free, t * np.exp(1j * np.angle(p)), fixed)
         best = complex(np.vdot(p, asked) / (np.vdot(p, p).real or 1.0))  # multiple
@@ -85,7 +84,7 @@ class Greedy(pc.Solver):
         out[:] = h * (best / (abs(best) or 1.0) * size)
         return pc.Result(iterations=done, limited=size >= AT_LIMIT * top, late=late)
 
-    def _go(
+    def _pass_over(
         self, B: Singles, t: Floats, h: Singles, p: Singles, budget: pc.Budget
     ) -> tuple[int, bool]:
         """Pass over the array until nothing changes; return the number of passes begun, and whether it is late."""
@@ -105,7 +104,7 @@ class Greedy(pc.Solver):
         return self.passes, False
 
 
-def _relative(t: Floats, reach: float, scale: str, limit: float | None) -> tuple[Floats, float]:
+def _choose_drive(t: Floats, reach: float, scale: str, limit: float | None) -> tuple[Floats, float]:
     """Return the targets [Pa] at a drive of 1, and the common drive of the transducers.
 
     reach: pressure of a focus at a drive of 1 [Pa].

@@ -12,6 +12,8 @@ from msgspec import Meta
 import pacinian as pc
 from pacinian.argument_checks import check_integer, check_number
 from pacinian.solving.phases import choose_phases
+from pacinian.solving.solution_metrics import AT_LIMIT
+from pacinian.solving.target_scaling import scale_targets
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -21,10 +23,8 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats
 
 MIN_DECREASE = 1e-5  # relative decrease of f in one step below which it ends
-# largest drive, as a multiple of what a focus needs; largest targets, as a multiple of a focus
-MAX_DRIVE, MAX_TARGET = 10.0, 100.0
-# largest |h| at the start, because the sine is flat at 1; |h| that counts as at the limit
-MAX_START, AT_LIMIT = 0.99, 0.999
+MAX_TARGET = 100.0  # largest targets, as a multiple of a focus
+MAX_START = 0.99  # largest |h| at the start, because the sine is flat at 1
 MAX_GRAM_POINTS = 256  # points above which the Gram matrix costs more than the steps that it saves
 MAX_PROPORTION_ERROR = 1e-3  # error up to which `scale="max"` counts proportions as kept
 MAX_ROUNDS = 12  # maximum number of times that targets are lowered for `scale="max"`
@@ -76,7 +76,7 @@ class Lbfgs(pc.Solver):
         if not t.any():
             return pc.Result(note="no transducer reaches the points")
         reach = float(np.sqrt(B.shape[1] * d[t > 0.0]).mean())  # [Pa] of a focus at full drive
-        t, unit = _relative(t, reach, targets.scale, limits.gain)
+        t, unit = scale_targets(t, reach, targets.scale, limits.gain, MAX_TARGET)
         problem = Problem(propagator, t, targets.phases, self.tolerance * float(np.linalg.norm(t)))
         near = warm is not None and 1e-6 < float(np.abs(warm.gains).max()) / unit < 1e6
         h = warm.gains / unit if warm is not None and near else None
@@ -96,8 +96,8 @@ class Lbfgs(pc.Solver):
                 end = self._descend(problem, end.h, budget)
                 steps += end.steps
         out[:] = unit * end.h
-        held = unit == limits.gain and float(np.abs(end.h).max()) >= AT_LIMIT
-        return pc.Result(iterations=steps, limited=held, late=end.late)
+        at_limit = unit == limits.gain and float(np.abs(end.h).max()) >= AT_LIMIT
+        return pc.Result(iterations=steps, limited=at_limit, late=end.late)
 
     def _descend(self, problem: Problem, h: Complexes, budget: pc.Budget) -> End:
         """Descend from h, (N,), to a local minimum, or until the budget is spent."""
@@ -167,15 +167,6 @@ class Problem:
         made = np.abs(self.propagator.apply(h)).astype(np.float64)
         square = float(made @ made)
         return h * (float(made @ self.t) / square if square else 0.0)
-
-
-def _relative(t: Floats, reach: float, scale: str, limit: float | None) -> tuple[Floats, float]:
-    """Return the targets [Pa] at |h| = 1, and the unit of h as a gain. reach: pressure of a focus at gain 1 [Pa]."""
-    need = float(np.linalg.norm(t)) / reach
-    if scale == "max":
-        return t / need, limit or 1.0
-    unit = MAX_DRIVE * need if limit is None else min(limit, MAX_DRIVE * need)
-    return t * (min(1.0, MAX_TARGET * unit / need) / unit), unit
 
 
 @pc.hookimpl

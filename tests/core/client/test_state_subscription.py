@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 import pacinian as pc
 from pacinian.client import link
 from pacinian.client.server_clock import ServerClock, Trips
-from pacinian.client.state_subscription import PASSES, read_newest
+from pacinian.client.state_subscription import MAX_READS, read_newest
 from pacinian.solving.felt_regions import FeltRegion
 from pacinian.wire.binary_arrays import pack
 from pacinian.wire.codec import encode
@@ -92,7 +92,7 @@ class Stream:
         return [STATE, encode(state(self.count, time=-age))]
 
 
-@pytest.mark.parametrize(("ages", "read"), [((0.0,), 1), ((9.0, 9.0, 0.0), 3), ((9.0,), PASSES)])
+@pytest.mark.parametrize(("ages", "read"), [((0.0,), 1), ((9.0, 9.0, 0.0), 3), ((9.0,), MAX_READS)])
 def test_where_states_come_without_end_the_first_fresh_one_is_taken(
     ages: tuple[float, ...], read: int
 ) -> None:

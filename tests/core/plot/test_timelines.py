@@ -30,7 +30,7 @@ STILL = pc.Point(position=(0.0, 0.0, 0.15), radiation_pressure=5.0)
 def report(ticks: int) -> pc.Report:
     made = pc.Report()
     for k in range(ticks):
-        made.tick(1e-6 * (k % 1000), late=False)
+        made.count_tick(1e-6 * (k % 1000), late=False)
     for k in range(5):
         made.count_solve(pc.Status.ok)
         made.add_measurement(0.01 * k, {})
@@ -73,7 +73,7 @@ def test_a_reports_ticks_errors_and_skips_are_shown() -> None:
 
 def test_many_ticks_are_a_band_that_hides_no_extreme() -> None:
     made = report(MAX_VALUES + 1)
-    made.tick(0.5, late=True)
+    made.count_tick(0.5, late=True)
     panel = plot.timeline(made, "ticks").axes[0]
     (band,), (median,) = panel.collections, panel.lines
     assert len(median.get_xdata()) == HISTOGRAM_BINS
@@ -83,7 +83,7 @@ def test_many_ticks_are_a_band_that_hides_no_extreme() -> None:
 def test_of_a_long_run_the_last_ticks_and_errors_are_in_their_order() -> None:
     made = pc.Report()
     for k in range(REMEMBERED + 10):
-        made.tick(1e-6 * k, late=False)
+        made.count_tick(1e-6 * k, late=False)
         made.count_solve(pc.Status.ok)
         made.add_measurement(1e-6 * k, {})
     for kept in (made.recent(REMEMBERED), made.errors_at_samples):

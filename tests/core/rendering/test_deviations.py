@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 import pacinian as pc
+from pacinian.region_numbers import BESIDE
 from pacinian.rendering import deviation_log as named
 from pacinian.rendering.deviation_log import (
     MAX_LABELS,
@@ -33,7 +34,6 @@ from pacinian.scene.sampling.sample_counts import (
     OVER_BUDGET,
     TOO_FINE,
 )
-from pacinian.scene.sampling.samples import BESIDE
 from pacinian.testing import ManualClock
 from pacinian_plugins.backends.simulated import Simulated
 

@@ -14,6 +14,7 @@ from pacinian.acoustics.propagation import field
 from pacinian.gallery import SCENES
 from pacinian.rendering.frame_cycle import TRY_AGAIN_AFTER, split_frames
 from pacinian.scene.modulation.waves import Constant
+from pacinian.scene.sampling.sampler import SamplingMode
 from pacinian.testing import ManualClock
 from pacinian_lab.regions.contacts import CONTACTS
 from pacinian_lab.regions.skin import measure_felt
@@ -401,7 +402,7 @@ def test_while_solves_for_what_moves_are_late_there_is_one_frame() -> None:
         NINE, pc.Scene(), clock=ManualClock(), max_cycle_frames=4
     ).sample_solver.cycle
     sampler = pc.Sampler(256)
-    sampler.bands = 4
+    sampler.mode = SamplingMode(bands=4)
     sampler.prepare(NINE, AIR)
     large = sampler.sample(with_another(surface(NINE, pc.Rectangle(0.1, 0.1), 1.0)))
 

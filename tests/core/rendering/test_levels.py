@@ -180,7 +180,9 @@ def test_rounding_down_never_rounds_up() -> None:
     a = np.random.default_rng(3).uniform(0.0, 1.0, 20_000).astype(np.float32)
     for amplitudes in (320, PULSES, FINE):
         can = pc.Capability(4, amplitudes)
-        frame = Quantiser(can, 1, len(a)).frame(a[None].astype(np.complex64), 1.0, 0, 0.0, True)
+        frame = Quantiser(can, 1, len(a)).make_frame(
+            a[None].astype(np.complex64), 1.0, 0, 0.0, True
+        )
         assert (can.sizes[frame.amplitude[0]] <= a * (1 + 1e-6)).all()
 
 
@@ -203,14 +205,14 @@ def test_what_is_emitted_is_what_the_frame_says(seed: int, phases: int, amplitud
     g = (rng.uniform(0, 1, 40) * np.exp(1j * rng.uniform(0, 7, 40))).astype(np.complex64)
     quantiser = Quantiser(pc.Capability(phases, amplitudes), 1, 40)
     made = quantiser.quantise_gains(g, 1.0).copy()
-    frame = quantiser.frame(g[None], 1.0, 0, 0.0)
+    frame = quantiser.make_frame(g[None], 1.0, 0, 0.0)
     np.testing.assert_allclose(made, frame.gains(quantiser.capability)[0], atol=1e-6)
     step = np.hypot(np.diff(quantiser.capability.sizes).max(), np.pi / phases)
     assert np.abs(made - g).max() <= step * (1 + 1e-3)
 
 
 def test_a_frame_cannot_be_changed_by_a_backend() -> None:
-    frame = Quantiser(pc.Capability(), 2, 3).frame(np.ones((2, 3), np.complex64), 1.0, 0, 0.0)
+    frame = Quantiser(pc.Capability(), 2, 3).make_frame(np.ones((2, 3), np.complex64), 1.0, 0, 0.0)
     for values in (frame.phase, frame.amplitude):
         with pytest.raises(ValueError, match="read-only"):
             values[:] = 0

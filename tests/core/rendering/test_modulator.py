@@ -54,7 +54,7 @@ class Loop:
         samples = self.sampler.sample(self.scene(t), t)
         self.played = self.solver.solve(samples, t, limits, self.session.solver, 60.0)
         self.ticks += 1
-        return self.modulator.rows(self.played, t).copy()
+        return self.modulator.make_rows(self.played, t).copy()
 
     def run(self, ticks: int, limits: pc.Limits = FULL) -> tuple[Any, Any]:
         """Return times of rows (R,) [s] and their gains (R, N)."""

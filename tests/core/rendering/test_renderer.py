@@ -753,7 +753,7 @@ def test_what_was_read_from_the_clock_is_not_heaped_up() -> None:
         for _ in range(200):
             renderer.tick()
             renderer.reset()
-        assert len(renderer.recording_clock.take()) < 20
+        assert len(renderer.recording_clocks.tick.take()) < 20
 
 
 STATES = {
@@ -924,7 +924,7 @@ def test_a_run_that_is_interrupted_while_it_opens_ends_and_closes_the_device(
         raise KeyboardInterrupt
 
     if where == "warnings":
-        monkeypatch.setattr("pacinian.rendering.renderer.find_warnings", interrupted)
+        monkeypatch.setattr("pacinian.rendering.pipeline.find_warnings", interrupted)
     device = Opened()
     scene = interrupted if where == "scene" else moving
     renderer = pc.Renderer(pc.autd(1, 1), scene, backend=device)

@@ -14,7 +14,7 @@ from pacinian.rendering.sample_budget_controller import (
     MAX_WAIT,
     MIN_BUDGET,
     MIN_LOAD,
-    WAIT,
+    MIN_WAIT,
     SampleBudgetController,
 )
 
@@ -34,7 +34,7 @@ def told(
 ) -> list[int]:
     """Return what is allowed after each of `count` such ticks. By default, all allowed samples are used."""
     return [
-        controller.tick(seconds, controller.allowed if samples is None else samples)
+        controller.adapt(seconds, controller.allowed if samples is None else samples)
         for _ in range(count)
     ]
 
@@ -47,10 +47,10 @@ def test_what_is_allowed_is_never_more_than_the_budget_nor_less_than_the_floor(
     controller, other = SampleBudgetController(PERIOD, most), SampleBudgetController(PERIOD, most)
     for seconds, samples in seen:
         before = controller.allowed
-        allowed = controller.tick(seconds, samples)
+        allowed = controller.adapt(seconds, samples)
         assert min(MIN_BUDGET, most) <= allowed <= most
         assert (
-            allowed == controller.allowed == other.tick(seconds, samples)
+            allowed == controller.allowed == other.adapt(seconds, samples)
         )  # depends on nothing else
         if seconds > MIN_LOAD * PERIOD:
             assert allowed <= before
@@ -118,7 +118,7 @@ def test_it_grows_slower_after_each_relapse() -> None:
             told(controller, SHORT, 1)
             wait += 1
         waits.append(wait)
-    assert waits == [min(WAIT << k, MAX_WAIT) for k in range(8)]
+    assert waits == [min(MIN_WAIT << k, MAX_WAIT) for k in range(8)]
 
 
 def test_after_a_while_without_relapse_it_is_as_if_there_had_been_none() -> None:
@@ -131,13 +131,13 @@ def test_after_a_while_without_relapse_it_is_as_if_there_had_been_none() -> None
     assert controller.allowed == 40
     told(controller, VERY, 4)
     small = controller.allowed
-    assert told(controller, SHORT, 2 * WAIT)[-1] > small
+    assert told(controller, SHORT, 2 * MIN_WAIT)[-1] > small
 
 
 def test_one_long_spell_is_no_relapse_however_long() -> None:
     controller = SampleBudgetController(PERIOD, 256)
     told(controller, VERY, 1000)
-    assert told(controller, SHORT, WAIT) == [MIN_BUDGET] * (WAIT - 1) + [
+    assert told(controller, SHORT, MIN_WAIT) == [MIN_BUDGET] * (MIN_WAIT - 1) + [
         MIN_BUDGET + 1 + MIN_BUDGET // 8
     ]
 
@@ -146,6 +146,6 @@ def test_one_tick_without_time_to_spare_begins_the_wait_anew() -> None:
     controller = SampleBudgetController(PERIOD, 256)
     small = told(controller, VERY, 10)[-1]
     for _ in range(50):
-        told(controller, SHORT, WAIT - 1)
+        told(controller, SHORT, MIN_WAIT - 1)
         told(controller, WELL, 1)
     assert controller.allowed == small

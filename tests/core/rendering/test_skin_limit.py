@@ -436,7 +436,7 @@ def test_a_hand_that_comes_back_is_evaluated_at_once(monkeypatch: pytest.MonkeyP
     made = render(pc.Scene((ball,), hands=(hand,)))._pipeline.played.solutions.rows[0]
     limit = SkinLimit(pc.Session(ONE, AIR))
     monkeypatch.setattr(limit, "_evaluate_peak", lambda *given: float(looks.append(1) or 1.0))
-    skin: Any = object()
+    skin = PosedSkin(hand)
     for skins, evaluated in (((skin,), 1), ((skin,), 0), ((), 0), ((skin,), 1)):
         before = len(looks)
         limit.enforce(made, skins, 100.0)

@@ -12,14 +12,14 @@ from pacinian.solving.problem import Targets
 from pacinian.solving.propagator import Propagator
 from pacinian.solving.region_phases import settle_phases
 from pacinian.solving.skin_phases import (
-    COLD,
+    BESIDE_WEIGHT,
     DAMPING,
+    MAX_COLD_STEPS,
     MAX_PHASE_STEP,
     MAX_SAMPLES,
+    MAX_WARM_STEPS,
     MIN_AMPLITUDE,
     MU,
-    QUIET,
-    WARM,
     relax_phases,
 )
 
@@ -53,7 +53,8 @@ def inverse(propagator: Propagator, targets: Targets) -> np.ndarray:
     B = propagator.B.astype(complex)
     G = B @ B.conj().T
     return np.linalg.inv(
-        np.diag(np.where(targets.beside, 1.0 / QUIET, 1.0)) + G / (MU * G.diagonal().real.mean())
+        np.diag(np.where(targets.beside, 1.0 / BESIDE_WEIGHT, 1.0))
+        + G / (MU * G.diagonal().real.mean())
     )
 
 
@@ -85,7 +86,7 @@ def test_the_steps_are_those_of_double_precision(count: int, silent: int) -> Non
     propagator, targets, wave = bulge(count, silent)
     R = inverse(propagator, targets)
     found = relax_phases(propagator, targets, wave, None)
-    wanted = relaxed(R, targets, wave, COLD)
+    wanted = relaxed(R, targets, wave, MAX_COLD_STEPS)
     assert cost(R, targets, found) == pytest.approx(cost(R, targets, wanted), rel=0.02)
     assert cost(R, targets, found) < 0.9 * cost(R, targets, wave)
     strong = targets.amplitudes > 0.3 * targets.amplitudes.max()
@@ -111,7 +112,7 @@ def test_steps_go_on_from_the_last_phases_if_these_cost_less() -> None:
     first = relax_phases(propagator, targets, wave, None)
     second = relax_phases(propagator, targets, wave, first)
     assert cost(R, targets, second) < cost(R, targets, first)
-    assert off(second, relaxed(R, targets, first, WARM)) < 0.1
+    assert off(second, relaxed(R, targets, first, MAX_WARM_STEPS)) < 0.1
     rng = np.random.default_rng(0)
     assert np.array_equal(
         relax_phases(propagator, targets, wave, rng.uniform(-3.0, 3.0, 80)), first

@@ -12,7 +12,7 @@ from hypothesis.extra.numpy import arrays
 from msgspec.structs import fields
 
 from pacinian.acoustics.pose import Pose
-from pacinian.scene.material import FIRM, Material
+from pacinian.scene.material import DEFAULT_MATERIAL, Material
 from pacinian.scene.modulation.envelope import (
     STEADY,
     Constant,
@@ -145,7 +145,8 @@ felt: dict[str, Any] = {
     "radiation_pressure": st.floats(0.0, 1e6),
     "envelope": envelopes,
     "technique": techniques,
-    "material": st.just(FIRM) | st.builds(Material, st.none() | st.floats(1.0, 1e9), share),
+    "material": st.just(DEFAULT_MATERIAL)
+    | st.builds(Material, st.none() | st.floats(1.0, 1e9), share),
     "motion": st.none() | st.builds(Motion, vector, vector, st.just(7.5)),
     "priority": st.integers(-1000, 1000),
     "name": st.text(min_size=1, max_size=9),

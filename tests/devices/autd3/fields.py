@@ -64,7 +64,7 @@ def compared(grid: str, points: str, source: str, resolution: float = 1e-3) -> C
     solution = pc.solve(array, q, asked, medium=AIR)
     it = Emulated(array)
     can = it.backend.capability
-    frame = Quantiser(can, 1, len(array)).frame(
+    frame = Quantiser(can, 1, len(array)).make_frame(
         solution.gains[None].astype(np.complex64), 1.0, 0, 0.0
     )
     it.backend.send(frame)

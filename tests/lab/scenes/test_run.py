@@ -141,15 +141,15 @@ def test_a_rate_is_held_if_p99_is_within_a_tick_and_few_are_late() -> None:
     report = found.report = pc.Report()
     found.dummy = pc.Report()
     for k in range(1000):
-        report.tick(0.0005, late=k < 5)
-        found.dummy.tick(0.0005, late=False)
+        report.count_tick(0.0005, late=k < 5)
+        found.dummy.count_tick(0.0005, late=False)
     assert found.held
-    report.tick(0.0005, late=True)
+    report.count_tick(0.0005, late=True)
     assert not found.held
     found.dummy = report
     assert found.held
     for _ in range(20):
-        report.tick(0.0011, late=False)
+        report.count_tick(0.0011, late=False)
     assert not found.held
 
 

@@ -121,7 +121,7 @@ def clarabel(case: Case) -> float:
     if limits.quiet is not None:
         where, most = limits.quiet
         keep.append(cp.abs(pc.matrix(case.array, where, pc.Air()) @ g) <= most)
-    exactly = limits.exact_mask(len(p))
+    exactly = limits.make_exact_mask(len(p))
     if exactly.any():
         keep.append(case.B[exactly] @ g == p[exactly])
     scale = float(np.abs(p).max())

@@ -13,7 +13,7 @@ from pacinian.native.solving import choose_phases
 from pacinian.solving.phases import initial_phases
 from pacinian_plugins.native import lagrange as kernels
 from pacinian_plugins.solvers.lagrange import reference
-from pacinian_plugins.solvers.lagrange.gain_limited import PhaseFreeSolve
+from pacinian_plugins.solvers.lagrange.gain_limited_newton import GainLimitedNewton
 
 f4 = np.float32
 
@@ -167,7 +167,7 @@ def test_the_steps_are_those_of_double_precision(
     sealed = G.copy()
     sealed.flags.writeable = False
     out = np.empty(150, np.complex64)
-    polish = PhaseFreeSolve(B, sealed, mu, w, pc.Budget(), 1.0, out)
+    polish = GainLimitedNewton(B, sealed, mu, w, pc.Budget(), 1.0, out)
     end = polish.run()
     exact = reference.solve_newton(B.astype(np.complex128), G, p, free, mu, y, 60)
     made = B.astype(complex) @ exact.h
@@ -274,7 +274,7 @@ def test_a_nearest_answer_cannot_be_improved_by_small_changes() -> None:
     w.p[:], w.free[:], w.y[:] = p, True, mu * np.linalg.solve(G, p)
     sealed = G.copy()
     sealed.flags.writeable = False
-    PhaseFreeSolve(B, sealed, mu, w, pc.Budget(), 1.0, out).run()
+    GainLimitedNewton(B, sealed, mu, w, pc.Budget(), 1.0, out).run()
     wide, t = B.astype(np.complex128), np.abs(p)
 
     def cost(g: Any) -> float:

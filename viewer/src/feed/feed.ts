@@ -4,8 +4,8 @@ import { decode, encode } from "@msgpack/msgpack";
 
 import type { Batch, FromViewer, ToViewer } from "./messages";
 
-const FIRST = 250; // delay before the first retry [ms]; it doubles with each
-const LONGEST = 2000; // longest delay [ms]
+const FIRST_DELAY = 250; // delay before the first retry [ms]; it doubles with each
+const MAX_DELAY = 2000; // longest delay [ms]
 
 export interface Listener {
   opened(): void;
@@ -15,7 +15,7 @@ export interface Listener {
 
 export class Feed {
   private socket: WebSocket | undefined;
-  private wait = FIRST;
+  private wait = FIRST_DELAY;
 
   constructor(
     private readonly address: string,
@@ -27,7 +27,7 @@ export class Feed {
     const socket = new WebSocket(this.address);
     socket.binaryType = "arraybuffer";
     socket.addEventListener("open", () => {
-      this.wait = FIRST;
+      this.wait = FIRST_DELAY;
       this.listener.opened();
     });
     socket.addEventListener("message", (event: MessageEvent<unknown>) => {
@@ -39,7 +39,7 @@ export class Feed {
       if (this.socket !== socket) return;
       this.listener.closed();
       setTimeout(() => this.open(), this.wait);
-      this.wait = Math.min(2 * this.wait, LONGEST);
+      this.wait = Math.min(2 * this.wait, MAX_DELAY);
     });
     this.socket = socket;
   }

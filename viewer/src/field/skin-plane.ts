@@ -11,7 +11,7 @@ const BESIDE = 0.009; // margin around the samples [m]
 const SMALLEST = 0.024; // shortest side of the square [m]
 const STAYS = 0.002; // distance by which the contact may move before the square does [m]
 const TURNS = Math.cos(0.1); // cosine of the angle by which a side may turn before the square is requested again
-const OFTEN = 250; // shortest time between two checks [ms]
+const CHECK_INTERVAL = 250; // shortest time between two checks [ms]
 
 export class SkinPlane {
   on = true;
@@ -34,7 +34,7 @@ export class SkinPlane {
   follow(state: State): void {
     const now = performance.now();
     if (!this.on || now < this.next) return;
-    this.next = now + OFTEN;
+    this.next = now + CHECK_INTERVAL;
     const found = square(state, this.wanted);
     if (!found) return;
     this.object = found.object;

@@ -5,7 +5,7 @@ import type { Store } from "../feed/store";
 import { button, element, say } from "./dom";
 
 export const DEMONSTRATION = "demonstration"; // name of the client
-const OFTEN = 250; // time between two `alive` messages [ms]
+const ALIVE_INTERVAL = 250; // time between two `alive` messages [ms]
 
 export class DemonstrationPanel {
   private timer = 0;
@@ -35,7 +35,7 @@ export class DemonstrationPanel {
     if (!on) return;
     this.timer = window.setInterval(() => {
       if (!document.hidden) this.send({ type: "alive" });
-    }, OFTEN);
+    }, ALIVE_INTERVAL);
   }
 
   private rest(): void {

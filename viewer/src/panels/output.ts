@@ -15,7 +15,7 @@ const NOT = {
   free: "Nothing is stopped or faulted.",
 } as const;
 const MIN_TICKS = 1000; // number of ticks from which the share of late ones is shown
-const OFTEN = 4; // `alive` messages per lease
+const ALIVES_PER_LEASE = 4; // `alive` messages per lease
 const CONTROLS = "button, input, select, textarea, summary, a, [role=switch]";
 
 /** Describe the air for which the field is computed. */
@@ -110,7 +110,7 @@ export class OutputPanel {
         if (!document.hidden) this.send({ type: "alive" });
       };
       alive();
-      this.timer = window.setInterval(alive, (1000 * session.lease) / OFTEN);
+      this.timer = window.setInterval(alive, (1000 * session.lease) / ALIVES_PER_LEASE);
     }
     this.show(this.store.newest.state);
   }

@@ -6,7 +6,7 @@ import { floats } from "../feed/numbers";
 import type { Curve } from "../feed/objects";
 
 const AROUND = 128; // number of points of a closed curve
-const FEWEST = 1e-6; // distance up to which two points count as one [m]
+const MERGE_DISTANCE = 1e-6; // distance up to which two points count as one [m]
 
 /** Convert a curve to one of three. */
 export function way(curve: Curve): Way<Vector3> {
@@ -17,7 +17,7 @@ export function way(curve: Curve): Way<Vector3> {
   const path = new CurvePath<Vector3>();
   for (let k = 1; k < points.length; k++) {
     const [a, b] = [points[k - 1], points[k]];
-    if (a && b && a.distanceTo(b) > FEWEST) path.add(new LineCurve3(a, b));
+    if (a && b && a.distanceTo(b) > MERGE_DISTANCE) path.add(new LineCurve3(a, b));
   }
   return path;
 }

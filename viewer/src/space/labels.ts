@@ -5,7 +5,7 @@ import { CanvasTexture, LinearFilter, NoColorSpace, Sprite, SpriteMaterial } fro
 const FINE = 2; // pixels of the texture per pixel of the page
 const FONT = "system-ui, sans-serif";
 const PADDING = 3; // [px]
-const LONGEST = 24; // number of characters from which a name is shortened
+const MAX_LABEL_LENGTH = 24; // characters; a longer name is shortened
 
 export interface Style {
   colour?: string;
@@ -20,10 +20,10 @@ export interface Kept {
   y: number;
 }
 
-/** Shorten a long name to LONGEST characters, of which the last is an ellipsis. */
+/** Shorten a long name to MAX_LABEL_LENGTH characters, of which the last is an ellipsis. */
 export function shorten(name: string): string {
   const characters = [...name];
-  return characters.length > LONGEST ? `${characters.slice(0, LONGEST - 1).join("")}…` : name;
+  return characters.length > MAX_LABEL_LENGTH ? `${characters.slice(0, MAX_LABEL_LENGTH - 1).join("")}…` : name;
 }
 
 export class Label extends Sprite {

@@ -30,7 +30,7 @@ const BRIGHT = 2; // largest top of a colour scale, relative to the largest targ
 const AROUND = 0.03; // margin around hands and objects [m]
 const SMALLEST = 0.16; // smallest side of the box in view [m]
 const BESIDE = 0.15; // distance from hand or contact within which an object is kept in view, too [m]
-const OFTEN = 250; // shortest time between two moves of camera and slice [ms]
+const LOOK_INTERVAL = 250; // shortest time between two moves of camera and slice [ms]
 const OLD = 3000; // time after which a slice that is out of date is hidden [ms]
 
 export class Space {
@@ -134,7 +134,7 @@ export class Space {
   private attend(): void {
     const now = performance.now();
     if (now < this.nextLook) return;
-    this.nextLook = now + OFTEN;
+    this.nextLook = now + LOOK_INTERVAL;
     const box = this.content();
     if (box && !this.met) this.view.look(box);
     else if (box && this.follows) this.view.track(box);

@@ -37,7 +37,7 @@ class Contact:
     touched: indices of the skin's points. force: on each of them [N]. candidates: indices of all points of the skin
     near the object, (I,). distance: of these from it, negative inside, (I,) [m]. press: presses points between those
     of the skin as the material does; returns the indices of those that are pressed, and the force on each [N]. fine:
-    largest spacing at which each sample presses as the material does there [m]. At a coarser spacing, the force of
+    spacing [m] up to which the material's law gives the pressure of each sample. At a coarser spacing, the force of
     each point is distributed among the nodes of one level of detail of the skin. This keeps the total, and nothing
     jumps as the contact moves. least: pressure below which nobody feels a sample [Pa]. faint: number of nodes left
     out for that reason.
@@ -121,11 +121,9 @@ def touches_unseen(
     which, local = hand.find_near(pose, item.bounding_radius + material.reach, ANYWHERE)
     if not len(which):
         return False
-    deep = material.compute_full_depth(item.pressure)
-    d = distances.of(item, name, hand, which, local, material.reach, deep)
-    stiffness = material.compute_stiffness(item.pressure)
+    d = distances.of(item, name, hand, which, local, material.reach)
     seen, pressed = (
-        hand.find_pressed(which, d, material.reach, stiffness, item.pressure, places)[0]
+        hand.find_pressed(which, d, material, item.pressure, places)[0]
         for places in (resolving.viewpoints, ANYWHERE)
     )
     return len(pressed) > 0 and not len(seen)
@@ -141,17 +139,14 @@ def find_contact(
     and visibility of the array; skin that the array hardly sees is pressed less. Returns None without a contact.
     """
     material, most = item.material, item.pressure
-    reach = material.reach
     corners = ANYWHERE if resolving is None else resolving.corners
-    margin = reach + FINEST_SKIN_SPACING
+    viewpoints = ANYWHERE if resolving is None else resolving.viewpoints
+    margin = material.reach + FINEST_SKIN_SPACING
     which, local = hand.find_near(pose, item.bounding_radius + margin, corners)
     if not len(which):
         return None
-    d = distances.of(item, name, hand, which, local, margin, material.compute_full_depth(most))
-    viewpoints = ANYWHERE if resolving is None else resolving.viewpoints
-    inside, force = hand.find_pressed(
-        which, d, reach, material.compute_stiffness(most), most, viewpoints
-    )
+    d = distances.of(item, name, hand, which, local, margin)
+    inside, force = hand.find_pressed(which, d, material, most, viewpoints)
     if not len(inside):
         return None
 
@@ -162,18 +157,9 @@ def find_contact(
 
     def press(fine: FineSkin) -> tuple[Indices, Floats]:
         at = (fine.points - pose.position) @ pose.matrix
-        apart = distances.of(
-            item, name, hand, fine.which, at, reach, material.compute_full_depth(most)
-        )
-        nodes, force = hand.find_pressed(
-            np.arange(len(apart)),
-            apart,
-            reach,
-            material.compute_stiffness(most),
-            most,
-            viewpoints,
-            fine,
-        )
+        apart = distances.of(item, name, hand, fine.which, at, material.reach)
+        every = np.arange(len(apart))
+        nodes, force = hand.find_pressed(every, apart, material, most, viewpoints, fine)
         apply_texture(item.texture, at[nodes], force)
         force *= share
         return nodes, force

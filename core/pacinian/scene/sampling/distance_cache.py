@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from pacinian.scene.sampling.posed_skin import PosedSkin
     from pacinian.types import Floats, Indices
 
-DEAR = Mesh, Placed, Combination  # shapes whose distances are expensive enough to cache
+CACHED_SHAPES = Mesh, Placed, Combination  # shapes whose distances are expensive enough to cache
 NOWHERE = 1e6  # coordinate of points without a cached distance [m]
 MAX_PAIRS = 16  # largest number of cached pairs of a hand and an object
 
@@ -35,16 +35,22 @@ class DistanceCache:
         self._known: dict[tuple[object, ...], tuple[object, object, _Known]] = {}
 
     def of(
-        self, item: Surface | Volume, name: int, hand: PosedSkin, which: Indices, local: Floats,
-        beyond: float, deep: float,
-    ) -> Floats:  # fmt: skip
+        self,
+        item: Surface | Volume,
+        name: int,
+        hand: PosedSkin,
+        which: Indices,
+        local: Floats,
+        beyond: float,
+    ) -> Floats:
         """Return `item.distance` of the hand's points, (I,) [m], from the cache where that suffices.
 
         name: number that identifies this object for this hand. which: indices of the points, (I,). local: their
-        positions in the object's frame, (I, 3) [m]. beyond, deep: distances farther outside or inside than these need
-        not be exact [m].
+        positions in the object's frame, (I, 3) [m]. beyond: distances farther outside than this need not be exact [m],
+        nor those below the depth of full pressure.
         """
-        if not isinstance(item.shape, DEAR):
+        deep = item.material.compute_full_depth(item.pressure)
+        if not isinstance(item.shape, CACHED_SHAPES):
             return item.distance(local, beyond, deep)
         known = self._of(item, name, hand)
         d, ask = np.empty(len(which)), np.empty(len(which), dtype=np.intp)

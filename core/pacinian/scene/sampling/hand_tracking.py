@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.scene.sampling.pose_prediction import BLEND, JUMP
+from pacinian.scene.sampling.pose_prediction import BLEND_TIME, MAX_BLENDED_ERROR
 from pacinian.scene.sampling.posed_skin import PosedSkin
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ class HandTrack:
 
     def pose_seen(self, skin: PosedSkin, t: float) -> PosedSkin:
         """Return the skin where the last update puts it at time t [s], without the blend. skin: from `pose_skin`."""
-        f = 1.0 - (t - self._since) / BLEND
+        f = 1.0 - (t - self._since) / BLEND_TIME
         d = self._offset
         if (
             d is None
@@ -83,7 +83,7 @@ class HandTrack:
             return False
         given = self._given
         timed = given is not None and (given.lost or given.time is not None)
-        return timed or (self._offset is not None and t < self._since + BLEND)
+        return timed or (self._offset is not None and t < self._since + BLEND_TIME)
 
     def _take(self, hand: Hand, t: float) -> None:
         """Accept a new update of a hand that is not lost."""
@@ -93,7 +93,7 @@ class HandTrack:
         if was is None or was.carriers.shape != hand.carriers.shape:
             return
         d = was.carriers - self._extrapolate(hand, t).carriers
-        if float((d * d).sum(axis=1).max()) <= JUMP * JUMP and d.any():
+        if float((d * d).sum(axis=1).max()) <= MAX_BLENDED_ERROR * MAX_BLENDED_ERROR and d.any():
             self._offset, self._since = d, t
 
     def _extrapolate(self, hand: Hand, t: float) -> Hand:
@@ -103,7 +103,7 @@ class HandTrack:
 
     def _blend_hand(self, hand: Hand, t: float) -> Hand:
         now = self._extrapolate(hand, t)
-        f = 1.0 - (t - self._since) / BLEND
+        f = 1.0 - (t - self._since) / BLEND_TIME
         if self._offset is None or f <= 0.0:
             self._offset = None
             return now

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.native.scene import merge
+from pacinian.region_numbers import ISOLATED
 from pacinian.scene.sampling.sample_counts import MERGED
-from pacinian.scene.sampling.samples import ISOLATED, join_samples
+from pacinian.scene.sampling.samples import join_samples
 from pacinian.scene.sampling.spacing import SPACING_WITHOUT_ARRAY
 
 if TYPE_CHECKING:

@@ -30,9 +30,9 @@ from pacinian.scene.modulation.technique import AM
 if TYPE_CHECKING:
     from pacinian.scene.objects import Object
 
-TABLE = np.array([(40.0, 8.8), (80.0, 2.2), (200.0, 2.2), (1000.0, 22.0)])  # [Hz], [Pa]
-MIN_THRESHOLD = float(TABLE[:, 1].min())  # [Pa]
-MARGIN = 10.0
+THRESHOLDS = np.array([(40.0, 8.8), (80.0, 2.2), (200.0, 2.2), (1000.0, 22.0)])  # [Hz], [Pa]
+MIN_THRESHOLD = float(THRESHOLDS[:, 1].min())  # [Pa]
+FELT_MARGIN = 10.0
 """Factor below the mean threshold within which a pressure still counts as felt.
 
 These 20 dB cover differences between people and between places. 2.2 Pa is a mean for 1.8 cm^2. Twice the area needs
@@ -45,24 +45,24 @@ MAX_FREQUENCY = 500.0  # higher frequencies alias in a device of 1000 rows per s
 def threshold(frequency: float) -> float:
     """Return the peak radiation pressure that a vibration at `frequency` [Hz] needs to be felt [Pa].
 
-    Interpolates linearly on logarithmic scales between the rows of `TABLE`, and is constant beyond them. Raises
+    Interpolates linearly on logarithmic scales between the rows of `THRESHOLDS`, and is constant beyond them. Raises
     ArgumentError.
     """
-    f = max(check_number("frequency", frequency, low=0.0), float(TABLE[0, 0]))
-    return float(np.exp(np.interp(np.log(f), *np.log(TABLE).T)))
+    f = max(check_number("frequency", frequency, low=0.0), float(THRESHOLDS[0, 0]))
+    return float(np.exp(np.interp(np.log(f), *np.log(THRESHOLDS).T)))
 
 
 def lowest_threshold(envelope: object) -> float:
     """Return the lowest radiation pressure at full envelope that anyone might feel [Pa].
 
-    A tenth of the threshold counts as felt (`MARGIN`). envelope: if it has a `frequency` of up to 500 Hz, the threshold
-    at that frequency counts; otherwise the lowest threshold counts. Pass None for a sample that moves along a path,
-    because the skin then feels other frequencies than the envelope's.
+    A tenth of the threshold counts as felt (`FELT_MARGIN`). envelope: if it has a `frequency` of up to 500 Hz, the
+    threshold at that frequency counts; otherwise the lowest threshold counts. Pass None for a sample that moves along a
+    path, because the skin then feels other frequencies than the envelope's.
     """
     frequency = getattr(envelope, "frequency", None)
     if isinstance(frequency, (int, float)) and 0.0 < frequency <= MAX_FREQUENCY:
-        return threshold(frequency) / MARGIN
-    return MIN_THRESHOLD / MARGIN
+        return threshold(frequency) / FELT_MARGIN
+    return MIN_THRESHOLD / FELT_MARGIN
 
 
 def find_vibration(item: Object) -> object:

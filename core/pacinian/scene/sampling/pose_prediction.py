@@ -12,8 +12,8 @@ from pacinian.acoustics.pose import UPRIGHT, Pose, Quaternion, Vector, multiply
 if TYPE_CHECKING:
     from pacinian.scene.objects import Object
 
-BLEND = 0.01  # time in which the prediction error of an update is blended out [s]
-JUMP = 0.05  # a larger prediction error is a teleport, which is not blended [m]
+BLEND_TIME = 0.01  # time in which the prediction error of an update is blended out [s]
+MAX_BLENDED_ERROR = 0.05  # a larger prediction error is a teleport, which is not blended [m]
 MAX_OBJECTS = 4096  # largest number of tracked objects
 
 
@@ -29,7 +29,7 @@ class _Track:
         assert motion is not None  # objects without a motion are not tracked
         now = motion.pose(self.item.pose, t)
         self.since = min(self.since, t)  # time may jump back
-        f = 1.0 - (t - self.since) / BLEND
+        f = 1.0 - (t - self.since) / BLEND_TIME
         if f <= 0.0 or (self.offset == (0.0, 0.0, 0.0) and self.turn == UPRIGHT):
             return now
         (x, y, z), (u, v, w) = now.position, self.offset
@@ -73,11 +73,11 @@ class PosePredictor:
         assert item.motion is not None
         now = item.motion.pose(item.pose, t)
         d = np.array(was.position) - now.position
-        if float(d @ d) > JUMP * JUMP:
+        if float(d @ d) > MAX_BLENDED_ERROR * MAX_BLENDED_ERROR:
             return _Track(item, t)
         x, y, z, w = now.rotation
         a, b, c, e = multiply(was.rotation, (-x, -y, -z, w))
         sign = 1.0 if e >= 0.0 else -1.0
-        self.blends_until = max(self.blends_until, t + BLEND)
+        self.blends_until = max(self.blends_until, t + BLEND_TIME)
         u, v, s = d.tolist()
         return _Track(item, t, (u, v, s), (sign * a, sign * b, sign * c, sign * e))

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from pacinian.acoustics.pose import Pose, Vector
     from pacinian.scene.hands.hand import Hand
     from pacinian.scene.hands.skin import Skin
+    from pacinian.scene.material import Material
     from pacinian.types import Flags, Floats, Indices
 
 MIN_SHARE = 1e-9  # nodes that get less than this fraction of the largest force are ignored as rounding errors
@@ -85,22 +86,27 @@ class PosedSkin:
         return which[:count], local[:count]
 
     def find_pressed(
-        self, which: Indices, d: Floats, reach: float, stiffness: float, most: float,
-        viewpoints: Floats, fine: FineSkin | None = None,
-    ) -> tuple[Indices, Floats]:  # fmt: skip
+        self,
+        which: Indices,
+        d: Floats,
+        material: Material,
+        most: float,
+        viewpoints: Floats,
+        fine: FineSkin | None = None,
+    ) -> tuple[Indices, Floats]:
         """Find which of the points `which`, (I,), are pressed, and with what force.
 
-        d: their signed distances, (I,) [m]. reach [m], stiffness [Pa/m], most [Pa]: the material's law.
-        viewpoints: positions of some transducers, (V, 3) [m]; only skin that faces them is pressed, or all if there are
-        none. fine: points of a fine level, to which `which` refers instead of the skin's own. Returns indices into
-        `which`, and forces [N].
+        d: their signed distances, (I,) [m]. material, most: of the object, and its full pressure [Pa]. viewpoints:
+        positions of some transducers, (V, 3) [m]; only skin that faces them is pressed, or all if there are none. fine:
+        points of a fine level, to which `which` refers instead of the skin's own. Returns indices into `which`, and
+        forces [N].
         """
         of = self.points, self.normals, self.area, self.skin.bone, self.skin.slack
         if fine is not None:
             of = fine[1:]
         inside, force = np.empty(len(which), dtype=np.intp), np.empty(len(which))
         count = kernels.press(
-            d, which, reach, stiffness, most, *of, self.capsules, viewpoints,
+            d, which, material.reach, material.compute_stiffness(most), most, *of, self.capsules, viewpoints,
             BLOCKED_COS2, FULL_PRESSURE_COS2, inside, force,
         )  # fmt: skip
         return inside[:count], force[:count]

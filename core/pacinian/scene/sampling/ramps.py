@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from pacinian.types import Flags, Floats, Indices
 
 RAMP_TIME = 0.005  # fade-in and fade-out time of a sample in a renderer or a server [s]
-JUMP = 0.02  # a sample that moves farther than this in one tick fades out there and rises anew here [m]
+MAX_RAMPED_MOVE = 0.02  # a sample that moves farther than this in one tick fades out there and rises anew here [m]
 MAX_TICK = 0.02  # longest time that one tick counts for, because time may jump [s]
 RAMP_TOLERANCE = 1e-6  # margin for rounding, as a fraction of a ramp, so that a ramp ends on time
 
@@ -67,7 +67,7 @@ class PressureRamps:
         count = ramp(
             asked.keys, asked.positions, asked.regions, asked.area, asked.radiation_pressure, asked.most,
             last.keys, last.positions, last.regions, last.area, last.radiation_pressure, last.most,
-            share, JUMP, P, most, index, fading, jumped,
+            share, MAX_RAMPED_MOVE, P, most, index, fading, jumped,
         )  # fmt: skip
         if not count and np.array_equal(asked.radiation_pressure, P):
             self._last = asked

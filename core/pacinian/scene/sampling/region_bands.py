@@ -7,14 +7,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.scene.sampling.samples import BESIDE
+from pacinian.region_numbers import BESIDE
 
 if TYPE_CHECKING:
     from pacinian.scene.sampling.samples import Samples
     from pacinian.types import Floats
 
-BLEND = 0.15  # half-width of the overlap of two bands, as a fraction of a band's samples
-WIDER = 1.0 + 2.0 * BLEND  # samples that sound in a band, overlap included, over its own samples
+OVERLAP_SHARE = 0.15  # half-width of the overlap of two bands, as a fraction of a band's samples
+# Samples that sound in a band, overlap included, over its own samples.
+WIDER = 1.0 + 2.0 * OVERLAP_SHARE
 MIN_DIVIDED_SAMPLES = 32  # regions of up to this number of samples are never divided
 # Bands stay along their axis while the region there is at least this fraction of its longest side.
 MIN_KEPT_LENGTH = 0.7
@@ -82,5 +83,6 @@ def _cut(x: Floats, count: int) -> Floats:
     u[np.argsort(x, kind="stable")] = count * (np.arange(M) + 0.5) / M
     edges = np.arange(count + 1.0)
     edges[0], edges[-1] = -math.inf, math.inf
-    past = np.clip((u[:, None] - edges + BLEND) / (2.0 * BLEND), 0.0, 1.0)  # (M, count + 1)
+    past = (u[:, None] - edges + OVERLAP_SHARE) / (2.0 * OVERLAP_SHARE)  # (M, count + 1)
+    past = np.clip(past, 0.0, 1.0)
     return past[:, :-1] - past[:, 1:]

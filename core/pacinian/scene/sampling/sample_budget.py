@@ -1,9 +1,13 @@
-"""Divide a budget of samples among objects by priority."""
+"""Divide a budget of samples among objects by priority.
+
+The default budget is `DEFAULT_BUDGET` in scene/config_sections.py.
+"""
 
 from __future__ import annotations
 
 import itertools
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -98,18 +102,19 @@ def allot_budget(
     """
     parts: list[Samples] = []
     used, full = 0, max(budget, full)
-    for priority, group in itertools.groupby(sources, key=lambda s: s[0].item.priority):
-        members = list(group)
+    for priority, members in itertools.groupby(sources, key=lambda s: s[0].item.priority):
+        group = _PriorityGroup(list(members), budget, used, cut, bands, allowance)
         if strict:
-            _check_estimate(members, allowance.find_limit(budget, 0) - used, bands)
-        level = 0 if strict else levels.get(priority, 0)
-        made, level = _fit_level(members, budget, used, level, cut, bands, allowance, fixed=strict)
+            group.check_estimate()
+            made, level = group.make(0), 0
+        else:
+            made, level = group.fit(levels.get(priority, 0))
         levels[priority] = level
-        left = max(0, allowance.find_limit(budget, level) - used)
-        divided = strict or level >= allowance.divided_from
-        for (source, spacing), one in zip(members, made, strict=True):
+        left = group.find_limit(level)
+        parallel = bands if strict else group.count_bands(level)
+        for (source, spacing), one in zip(group.members, made, strict=True):
             samples = one.samples
-            count = _count_simultaneous(source, samples, bands if divided else 1)
+            count = _count_simultaneous(source, samples, parallel)
             if strict and count > left:
                 raise _too_many(source, count, left)
             kept = samples if count <= left else _strongest(samples, left)
@@ -124,6 +129,84 @@ def allot_budget(
             left, used = left - min(count, left), used + min(count, left)
             parts.append(kept)
     return parts
+
+
+@dataclass
+class _PriorityGroup:
+    """The sources of one priority, with their intended spacings [m].
+
+    budget, cut, bands, allowance: those of `allot_budget`. used: number of samples of higher priorities.
+    """
+
+    members: list[tuple[SampleSource, float]]
+    budget: int
+    used: int
+    cut: Cut
+    bands: int
+    allowance: Allowance
+
+    def find_limit(self, level: int) -> int:
+        """Return the largest number of samples at `level`."""
+        return max(0, self.allowance.find_limit(self.budget, level) - self.used)
+
+    def count_bands(self, level: int) -> int:
+        """Return the largest number of bands of a region at `level`."""
+        return self.bands if level >= self.allowance.divided_from else 1
+
+    def fit(self, level: int) -> tuple[list[LevelSamples], int]:
+        """Return the samples, and the level at which they fit into the budget. level: that of the last tick."""
+        while self._exceeds_limit(level) and self._can_coarsen(level):
+            level += 1
+        made = self.make(level)
+        count, below = self._count(made, level), level - 1
+        if level and count * FINER <= self.find_limit(below) and not self._exceeds_limit(below):
+            finer = self.make(below)
+            if FINER * self._count(finer, below) <= self.find_limit(below):
+                return finer, below
+        while count > self.find_limit(level) and self._can_coarsen(level):
+            level += 1
+            made = self.make(level)
+            count = self._count(made, level)
+        return made, level
+
+    def make(self, level: int) -> list[LevelSamples]:
+        """Return the samples of each source at `level`."""
+        ratio = LEVEL_RATIO**level
+        return [
+            _make(source, spacing if is_sequential(source.item) else spacing * ratio, self.cut)
+            for source, spacing in self.members
+        ]
+
+    def check_estimate(self) -> None:
+        """Raise ArgumentError if there are clearly too many samples, before they are made."""
+        left = self.find_limit(0)
+        if _estimate_whole(self.members, 0) > MAX_ESTIMATE_RATIO * left * self.bands:
+            count, source = max(
+                ((_estimate_whole([member], 0), member[0]) for member in self.members),
+                key=lambda c: c[0],
+            )
+            raise _too_many(source, round(count), left)
+
+    def _count(self, made: list[LevelSamples], level: int) -> int:
+        """Return the smallest number of simultaneous samples: in one band or, at a coarse `level`, in several."""
+        return min(
+            sum(
+                _count_simultaneous(source, one.samples, bands)
+                for (source, _), one in zip(self.members, made, strict=True)
+            )
+            for bands in {1, self.count_bands(level)}
+        )
+
+    def _can_coarsen(self, level: int) -> bool:
+        """Return whether a coarser level than `level` still reduces the samples."""
+        reach = max(source.item.bounding_radius for source, _ in self.members)
+        finest = min(spacing for _, spacing in self.members)
+        return finest * LEVEL_RATIO**level < 2.0 * reach and level < MAX_LEVEL
+
+    def _exceeds_limit(self, level: int) -> bool:
+        """Return whether `level` clearly gives too many samples, judged by an estimate."""
+        most = MAX_ESTIMATE_RATIO * self.find_limit(level) * self.count_bands(level)
+        return _estimate_whole(self.members, level) > most
 
 
 def count_pressing(samples: Samples) -> int:
@@ -149,15 +232,6 @@ def _count_asked(source: SampleSource, spacing: float, cut: Cut, most: float) ->
     return _make(source, spacing, cut).asked
 
 
-def _check_estimate(members: list[tuple[SampleSource, float]], left: int, bands: int) -> None:
-    """Raise ArgumentError if there are clearly too many samples, before they are made."""
-    if _estimate_whole(members, 0) > MAX_ESTIMATE_RATIO * left * bands:
-        count, source = max(
-            ((_estimate_whole([member], 0), member[0]) for member in members), key=lambda c: c[0]
-        )
-        raise _too_many(source, round(count), left)
-
-
 def _too_many(source: SampleSource, count: int, left: int) -> ArgumentError:
     label = label_object(source.item, source.index)
     return ArgumentError(
@@ -179,66 +253,6 @@ def _count_simultaneous(source: SampleSource, samples: Samples, bands: int) -> i
 def _strongest(samples: Samples, count: int) -> Samples:
     force = samples.radiation_pressure * samples.area
     return samples.only(np.sort(np.argsort(-force, kind="stable")[:count]))
-
-
-def _fit_level(
-    members: list[tuple[SampleSource, float]], budget: int, used: int, level: int, cut: Cut, bands: int,
-    allowance: Allowance, *, fixed: bool,
-) -> tuple[list[LevelSamples], int]:  # fmt: skip
-    """Return the samples of sources of one priority, and the level at which they fit into what is left.
-
-    used: samples of higher priorities. fixed: keep the given level.
-    """
-
-    def most(level: int) -> int:
-        """Return the largest number of samples at `level`."""
-        return max(0, allowance.find_limit(budget, level) - used)
-
-    def every(level: int) -> list[LevelSamples]:
-        return [
-            _make(
-                source, spacing if is_sequential(source.item) else spacing * LEVEL_RATIO**level, cut
-            )
-            for source, spacing in members
-        ]
-
-    def number(made: list[LevelSamples], level: int) -> int:
-        """Return the smallest number of simultaneous samples: in one band or, at a coarse `level`, in several."""
-        counts = [
-            sum(
-                _count_simultaneous(m, one.samples, parts)
-                for (m, _), one in zip(members, made, strict=True)
-            )
-            for parts in ({1, bands} if level >= allowance.divided_from else {1})
-        ]
-        return min(counts)
-
-    def more(level: int) -> bool:
-        """Return whether a coarser level than `level` still reduces the samples."""
-        reach = max(source.item.bounding_radius for source, _ in members)
-        finest = min(spacing for _, spacing in members)
-        return finest * LEVEL_RATIO**level < 2.0 * reach and level < MAX_LEVEL
-
-    def too_many(level: int) -> bool:
-        """Return whether `level` clearly gives too many samples, judged by an estimate."""
-        parts = bands if level >= allowance.divided_from else 1
-        return _estimate_whole(members, level) > MAX_ESTIMATE_RATIO * most(level) * parts
-
-    if fixed:
-        return every(level), level
-    while too_many(level) and more(level):
-        level += 1
-    made = every(level)
-    count = number(made, level)
-    if level and count * FINER <= most(level - 1) and not too_many(level - 1):
-        finer = every(level - 1)
-        if FINER * number(finer, level - 1) <= most(level - 1):
-            return finer, level - 1
-    while count > most(level) and more(level):
-        level += 1
-        made = every(level)
-        count = number(made, level)
-    return made, level
 
 
 def _estimate_whole(members: list[tuple[SampleSource, float]], level: int) -> float:

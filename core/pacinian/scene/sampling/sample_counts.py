@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from pacinian.scene.sampling.samples import BESIDE, no_samples
+from pacinian.region_numbers import BESIDE
+from pacinian.scene.sampling.samples import no_samples
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

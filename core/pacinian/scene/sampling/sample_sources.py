@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Protocol, cast
 import numpy as np
 
 from pacinian.acoustics.pose import Pose
+from pacinian.region_numbers import BESIDE, ISOLATED
 from pacinian.scene.objects import Body, Volume
 from pacinian.scene.sampling.array_resolution import weigh_incidence
 from pacinian.scene.sampling.sample_keys import make_keys
-from pacinian.scene.sampling.samples import BESIDE, ISOLATED, Samples
+from pacinian.scene.sampling.samples import Samples
 from pacinian.scene.shapes.sphere_capsule import Sphere
 from pacinian.scene.shapes.texture import apply_texture
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -99,6 +99,25 @@ COUNTED = {
 MAX_SCATTERED = 8  # largest number of objects whose contacts are measured at a time
 
 
+class SamplingMode(NamedTuple):
+    """How scenes are sampled for the solves that follow: what the render loop, its limits and its solver ask for.
+
+    bands: maximum number of bands that sound in turn, each within the budget. max_uniform_points: that of the solver,
+    for samples that sound at once. peak: maximum radiation pressure that a force may request [Pa]. surround: whether to
+    surround regions that touch skin with silent samples. strict: whether to raise ArgumentError instead of leaving out
+    or coarsening anything. steers: whether the field of one object in free air may be steered. fine: whether contacts
+    have many samples, because solves may take long.
+    """
+
+    bands: int = 1
+    max_uniform_points: float = 1.0
+    peak: float = math.inf
+    surround: bool = False
+    strict: bool = False
+    steers: bool = False
+    fine: bool = True
+
+
 class Sampler:
     """Samples scenes, and keeps state between ticks.
 
@@ -106,11 +125,11 @@ class Sampler:
 
     budget: maximum number of samples. Surfaces and volumes that meet hands use four fifths of it, because contacts take
     more time, or 1.2 times it if their spacing is coarser than intended. One of them alone in free air may use up to
-    twice as many, if `steers` is set. If a scene has more, the sampler samples the objects of lowest priority more
+    twice as many, if `mode.steers` is set. If a scene has more, the sampler samples the objects of lowest priority more
     coarsely, and then drops them. spacing: between samples [m]. The default is one wavelength, or the resolution of the
     array where that is coarser. The samples of surfaces and volumes form regions: these use 0.35 times the default, or
     less if they are small. Where a hand touches them, they use 0.06 to 0.3 times the default, less for smaller
-    contacts; without the attribute `fine`, at least 0.08 times. ramp: time in which a pressure rises or falls [s]; 0
+    contacts; without `mode.fine`, at least 0.08 times. ramp: time in which a pressure rises or falls [s]; 0
     disables ramps. perception: whether to leave out samples that are too faint to feel on a hand.
 
     Set the attribute `allowed` below the budget to save time. It is ignored if the scene has regions, because they
@@ -137,20 +156,8 @@ class Sampler:
         self.spacing = spacing
         self.ramp = check_number("ramp", ramp, low=0.0, high=10.0)
         self.perception = bool(perception)
-        self.bands = 1
-        """Maximum number of bands that sound in turn, each within the budget. The render loop sets this."""
-        self.max_uniform_points = 1.0
-        """`Solver.max_uniform_points` of the solver, for samples that sound at once. The render loop sets this."""
-        self.peak = math.inf
-        """Maximum radiation pressure that a force may request [Pa]. The render loop sets this."""
-        self.surround = False
-        """Whether to surround regions that touch skin with silent samples. The render loop sets this for its solver."""
-        self.strict = False
-        """Whether to raise ArgumentError instead of leaving out or coarsening anything. The render loop sets this."""
-        self.steers = False
-        """Whether the field of one object in free air may be steered. The render loop sets this."""
-        self.fine = True
-        """Whether contacts have many samples, because solves may take long. The render loop sets this."""
+        self.mode = SamplingMode()
+        """How to sample. The render loop sets this before each solve."""
         self.skipped: Counter[str] = Counter()
         """Number of samples, objects and hands left out, by reason."""
         self.skin: Skin | None = None
@@ -167,7 +174,7 @@ class Sampler:
         self._target = no_samples()
         # Hands of the last call, and its time [s].
         self._present: tuple[list[PosedSkin], float] = [], 0.0
-        self._chance = np.random.default_rng(0)
+        self._rng = np.random.default_rng(0)
         self.frame_budget = self.budget
         """Maximum number of samples in one frame at the last call of `sample`."""
         self.sample_counts = SampleCounts()
@@ -197,10 +204,7 @@ class Sampler:
         ahead: how far t lies in the future [s].
         """
         self._ahead = ahead
-        asked = (
-            scene, self.allowed, self.spacing, self.bands, self.surround, self.max_uniform_points, self.strict,
-            self.fine, self.steers,
-        )  # fmt: skip
+        asked = scene, self.allowed, self.spacing, self.mode
         if not (self._still and self._asked == asked):
             self._target = self._sample(scene, t)
             self._asked = asked
@@ -219,7 +223,7 @@ class Sampler:
         """Return random places on touched skin and beside it at time t [s], as `touched_skin.scatter_places` describes.
 
         Hands and objects are where the scene puts them, without the blending of updates, and pressures have no ramps.
-        Objects whose technique moves their samples are left out; of many objects, some are taken by chance. count: of
+        Objects whose technique moves their samples are left out; of many objects, a random selection is used. count: of
         places, roughly. Discards the tracked hands and poses, so call it on a separate sampler, without perception.
         """
         self._tracks, self._hands = PosePredictor(), {}
@@ -230,10 +234,10 @@ class Sampler:
         near = cull(scene.bounds, t, self._boxes.find(scene, skins)).tolist()
         found = [i for i in near if stays_on_skin(scene.objects[i])]
         if len(found) > MAX_SCATTERED:
-            found = self._chance.choice(found, MAX_SCATTERED, replace=False).tolist()
+            found = self._rng.choice(found, MAX_SCATTERED, replace=False).tolist()
         sources = self._find_sources(scene, t, found, hands)
         contacts = [source for source, _ in sources if isinstance(source, Contact)]
-        places = scatter_places(contacts, count, self._resolving.corners, self._chance)
+        places = scatter_places(contacts, count, self._resolving.corners, self._rng)
         return cut(scene.workspace, places.changed(capsules=_join_capsules(skins)))
 
     def _sample(self, scene: Scene, t: float) -> Samples:
@@ -258,7 +262,7 @@ class Sampler:
             t >= max(scene.moves_until, self._tracks.blends_until)
             and not any(track.can_move(t) for track in self._hands.values())
         )  # fmt: skip
-        resolving = self._resolving
+        resolving, mode = self._resolving, self.mode
         if not sources:
             if resolving is not None:
                 note_unseen(scene, t, near, skins, self._tracks, resolving, self._distances, counts)
@@ -268,17 +272,17 @@ class Sampler:
         allowance = self._choose_allowance(sources, solid=solid, skin=bool(scene.hands))
         self.frame_budget = allowance.find_limit(budget, len(allowance.shares) - 1)
         parts = allot_budget(
-            sources, budget, self._levels, partial(cut, scene.workspace), counts, self.bands,
-            self.budget, allowance=allowance, strict=self.strict,
+            sources, budget, self._levels, partial(cut, scene.workspace), counts, mode.bands,
+            self.budget, allowance=allowance, strict=mode.strict,
         )  # fmt: skip
         items = [source.item for source, _ in sources]
-        samples = merge_samples(parts, items, self.spacing, counts, strict=self.strict)
+        samples = merge_samples(parts, items, self.spacing, counts, strict=mode.strict)
         if resolving is not None:
-            samples = spread_forces(samples, resolving, self.max_uniform_points, self.peak, counts)
-            if self.surround and solid and skins:
+            samples = spread_forces(samples, resolving, mode.max_uniform_points, mode.peak, counts)
+            if mode.surround and solid and skins:
                 resolved = min(resolving.compute_isolated_spacing(hand.centre) for hand in skins)
                 left = allowance.find_limit(budget, 0) - len(samples)
-                surround = FINE_SURROUND if self.fine else SURROUND
+                surround = FINE_SURROUND if mode.fine else SURROUND
                 samples = add_surround(samples, skins, resolving.centre, resolved, left, surround)
         return samples if len(hands) < 2 else samples.changed(capsules=capsules)
 
@@ -299,11 +303,12 @@ class Sampler:
         self, sources: list[tuple[SampleSource, float]], *, solid: bool, skin: bool
     ) -> Allowance:
         """Return how many samples a frame may have. solid: whether there are regions. skin: whether there are hands."""
+        mode = self.mode
         if not solid:
             return PLAIN
         if skin:
-            return FINE_ON_SKIN if self.fine else ON_SKIN
-        alone = self.steers and not self.strict and len(sources) == 1
+            return FINE_ON_SKIN if mode.fine else ON_SKIN
+        alone = mode.steers and not mode.strict and len(sources) == 1
         return ALONE if alone and sources[0][0].item.technique.still else PLAIN
 
     def _track_hands(
@@ -331,7 +336,7 @@ class Sampler:
     ) -> list[tuple[SampleSource, float]]:
         """Return the sources of samples, highest priority first, each with its intended spacing [m]."""
         objects, sources = scene.objects, list[tuple[SampleSource, float]]()
-        resolving, judged = self._resolving, self.perception and not self.strict
+        resolving, judged = self._resolving, self.perception and not self.mode.strict
         free = not scene.hands  # nothing needs to be touched
         for i in near:
             item = objects[i]
@@ -358,7 +363,9 @@ class Sampler:
                 if source is not None:
                     sources.append((source, self._compute_spacing(item, hand.centre)))
         if self.spacing is None:
-            density = ContactDensity(FINE_SHARE * self.budget, FINE_LEAST) if self.fine else IN_TIME
+            density = (
+                ContactDensity(FINE_SHARE * self.budget, FINE_LEAST) if self.mode.fine else IN_TIME
+            )
             self._wanted = space_contacts(sources, density, self._wanted)
         sources.sort(key=lambda source: -source[0].item.priority)
         return refine(sources, self.budget) if free and self.spacing is None else sources

@@ -14,10 +14,6 @@ if TYPE_CHECKING:
     from pacinian.types import Flags, Floats, Indices, Longs
 
 
-ISOLATED = -1  # region number of a sample that belongs to no region, as in `pacinian.Targets`
-BESIDE = -2  # region number of a silent sample beside regions
-
-
 @dataclass(frozen=True, eq=False)
 class Samples:
     """M samples of a scene.

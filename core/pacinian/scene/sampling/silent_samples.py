@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from pacinian.region_numbers import BESIDE
 from pacinian.scene.sampling.sample_keys import NUMBERS, make_keys
-from pacinian.scene.sampling.samples import BESIDE, join_samples
+from pacinian.scene.sampling.samples import join_samples
 
 if TYPE_CHECKING:
     from pacinian.scene.sampling.posed_skin import PosedSkin

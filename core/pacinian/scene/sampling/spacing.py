@@ -26,8 +26,8 @@ KEPT_SPACING = 1.3
 class ContactDensity(NamedTuple):
     """How densely contacts are sampled.
 
-    number: intended number of samples of all contacts, if each covered an area of the squared spacing. Points of a skin
-    lie less densely, so that contacts have about half of these. least: smallest spacing, relative to the resolution.
+    number: total area of the contacts over the squared spacing. The points of a skin lie less densely, so that contacts
+    have about half as many samples. least: smallest spacing, relative to the resolution.
     """
 
     number: float

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.neighbours import find_nearest
+from pacinian.region_numbers import BESIDE
 from pacinian.scene.hands.skin_lod import FINEST_SKIN_SPACING
 from pacinian.scene.sampling.sample_sources import forms_region
-from pacinian.scene.sampling.samples import BESIDE, Samples, join_samples, no_samples
+from pacinian.scene.sampling.samples import Samples, join_samples, no_samples
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -8,7 +8,7 @@ height_map.py          `HeightMap`: surface z = h(x, y) from numbers or a pictur
 voxels.py              `Voxels`: solid from a grid of values; distance field
 sdf.py                 `SDF`: solid from a signed-distance function; samples and normals (gradient) of any solid
 csg.py                 `Placed`, `Union`, `Intersection`, `Difference` of solids
-csg_shell.py           samples and area of the shell of such a combination
+csg_sampling.py        samples and area of the shell of such a combination
 mesh.py                `Mesh`: triangle mesh, open or closed; its samples
 triangles.py           vertices and faces from a file (OBJ, STL, PLY, ...), limits, normals, areas, whether they close
 mesh_repair.py         merges equal vertices, drops unused ones and faces of two vertices, turns faces outward

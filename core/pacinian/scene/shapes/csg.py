@@ -14,7 +14,7 @@ from msgspec.structs import force_setattr
 from pacinian.acoustics.pose import Pose
 from pacinian.argument_checks import check_kind
 from pacinian.errors import ArgumentError
-from pacinian.scene.shapes import Box, Capsule, Sphere, csg_shell
+from pacinian.scene.shapes import Box, Capsule, Sphere, csg_sampling
 from pacinian.scene.shapes.local_samples import LocalSamples
 from pacinian.scene.shapes.mesh import Mesh
 from pacinian.scene.shapes.sdf import SDF
@@ -91,7 +91,7 @@ class Combination(Struct, frozen=True, forbid_unknown_fields=True, dict=True, ta
     def _area(self) -> float:
         for part, _ in self.sides:
             check_closed(part)
-        return csg_shell.measure_shell(self, self.sides)
+        return csg_sampling.measure_shell(self, self.sides)
 
     @property
     def extent(self) -> Vector:
@@ -118,7 +118,7 @@ class Combination(Struct, frozen=True, forbid_unknown_fields=True, dict=True, ta
 
     def sample_surface(self, spacing: float) -> LocalSamples:
         """Return the samples of the parts, about `spacing` [m] apart, that lie on the shell of the whole."""
-        return csg_shell.sample_shell(self, self.sides, spacing)
+        return csg_sampling.sample_shell(self, self.sides, spacing)
 
 
 class _OfParts(Combination, frozen=True):

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from pacinian.acoustics.pose import Vector
     from pacinian.types import Floats
 
-GOLDEN = math.pi * (3.0 - math.sqrt(5.0))  # golden angle [rad]
+GOLDEN_ANGLE = math.pi * (3.0 - math.sqrt(5.0))  # golden angle [rad]
 EDGE = 1e-9  # tolerance for rounding numbers of steps
 
 

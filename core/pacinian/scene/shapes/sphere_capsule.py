@@ -10,7 +10,7 @@ from msgspec import Struct
 from msgspec.structs import force_setattr
 
 from pacinian.argument_checks import check_count, check_length
-from pacinian.scene.shapes.local_samples import GOLDEN, LocalSamples
+from pacinian.scene.shapes.local_samples import GOLDEN_ANGLE, LocalSamples
 
 if TYPE_CHECKING:
     from pacinian.acoustics.pose import Vector
@@ -95,7 +95,7 @@ def _spiral(a: float, half: float, area: float, spacing: float) -> LocalSamples:
     i = np.arange(K)
     height = (a + half) * (1.0 - (2.0 * i + 1.0) / K)  # z if the caps were part of the cylinder
     axis = np.clip(height, -half, half)
-    z, phi = (height - axis) / a, i * GOLDEN
+    z, phi = (height - axis) / a, i * GOLDEN_ANGLE
     r = np.sqrt(1.0 - z * z)
     normals = np.stack([r * np.cos(phi), r * np.sin(phi), z], axis=-1)
     points = a * normals

@@ -1,4 +1,7 @@
-"""Admission of commands: session, sequence, age and rate. Pure: callers pass the time."""
+"""Admission of commands: session, sequence, age and rate. Pure: callers pass the time.
+
+The highest rate is `Clients.max_rate` in settings.py.
+"""
 
 from __future__ import annotations
 

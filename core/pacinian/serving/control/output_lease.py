@@ -1,4 +1,7 @@
-"""The output lease: whose scene is rendered and until when, as a permit for the guard. Pure: callers pass the time."""
+"""The output lease: whose scene is rendered and until when, as a permit for the guard. Pure: callers pass the time.
+
+How long a lease lasts is `Safety.lease` in settings.py.
+"""
 
 from __future__ import annotations
 

@@ -10,14 +10,13 @@ from pacinian.serving.ipc import messages
 from pacinian.wire.control import Arm, Bye, Disarm, Hello, Renew, Reset, Stop
 from pacinian.wire.protocol import MAJOR, MINOR, SESSION
 from pacinian.wire.replies import Error, Ok, Renewed, Welcome
+from pacinian.wire.state import PRIVATE_SCENE_PREFIX
 
 if TYPE_CHECKING:
     from pacinian.serving.settings import Settings
     from pacinian.wire.control import AnyControl
     from pacinian.wire.replies import Code, Reply
 
-# Prefix of the names of private scenes, which no other client may join.
-PRIVATE_SCENE_PREFIX = "own "
 # Longest time from a cut connection to silence [s]: `auth.MAX_UNACKNOWLEDGED_TIME`, and a margin for the coarser TCP
 # timer.
 MAX_DEAD_LINK_TIME = 0.8

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 # Largest number of hand updates kept for the status.
 MAX_INPUTS = 256
-NO_FRAME = FrameHead(0, 0.0, -1, -1, 0, 0)
+REJECTED_FRAME = FrameHead(0, 0.0, -1, -1, 0, 0)
 _INPUT = struct.Struct("<4d")  # layout of a hand update: sequence, sent, received, emitted
 
 
@@ -56,7 +56,7 @@ class OutputGate:
         self.next_backend: Backend | None = None
         """An open device that takes over with the first frame for it."""
         self.to_close: list[Backend] = []
-        """Devices to close."""
+        """Released and replaced devices. The device manager closes them, because that may take long."""
         self._stuck: list[Backend] = []  # released while loud, and not closed yet
         self._why = ""  # the fault for which the newest of these devices was released
         self.loud = False
@@ -68,8 +68,8 @@ class OutputGate:
         """There is news to report at once; the reporter clears it."""
         self._columns, self._gain, self._max_age, self._clock = columns, gain, frame_timeout, clock
         self._generations = 0
-        self._can = self._next_capability = Capability()
-        self._head, self._data = NO_FRAME, b""  # the newest frame
+        self._capability = self._next_capability = Capability()
+        self._head, self._data = REJECTED_FRAME, b""  # the newest frame
         self._waits = False  # the newest frame has not been let through yet
         # Times [s]: newest frame seen, last frame of this device and epoch seen, epoch began.
         self._seen = self._fed = self._armed = -math.inf
@@ -90,7 +90,7 @@ class OutputGate:
         self.changed = True
         if self.backend is None:
             self._end_sound("replaced")
-            self.backend, self.generation, self._can = backend, self._generations, can
+            self.backend, self.generation, self._capability = backend, self._generations, can
         else:
             if self.next_backend is not None:
                 self.to_close.append(self.next_backend)
@@ -186,7 +186,7 @@ class OutputGate:
         try:
             self._head, self._data = FrameHead.unpack(frame), frame
         except struct.error:
-            self._head = NO_FRAME
+            self._head = REJECTED_FRAME
             self.fail("the frame is cut off")
         self._seen, self._waits = now, True
 
@@ -231,7 +231,7 @@ class OutputGate:
             return
         if (old := self.release()) is not None:
             self.to_close.append(old)
-        self.backend, self.generation, self._can = (
+        self.backend, self.generation, self._capability = (
             self.next_backend,
             self.next_generation,
             self._next_capability,
@@ -244,7 +244,7 @@ class OutputGate:
         if backend is None:
             return False
         try:
-            frame = _decode_frame(head, self._data, self._columns, self._can, self._gain)
+            frame = _decode_frame(head, self._data, self._columns, self._capability, self._gain)
             self.loud = True
             backend.send(frame)
         except Exception as error:
@@ -275,7 +275,7 @@ class OutputGate:
         choice: PluginConfig | None = None,
     ) -> DeviceStatus:
         """Return the status to report to the other processes."""
-        can = self._can if self.next_backend is None else self._next_capability
+        can = self._capability if self.next_backend is None else self._next_capability
         return DeviceStatus(
             generation=0 if self.backend is None else self.generation,
             next_generation=self.next_generation,

@@ -1,6 +1,6 @@
 """Inter-process basics: how the server's processes start, share memory, keep time, log and authenticate each other.
 
-messages.py           what the processes tell each other: permit, frame, changes, selections, statuses
+messages.py           what the processes tell each other: permit, frame, changes, statuses; in how much memory
 shared_memory.py      memory with one writer, where the newest value wins
 wake_pipe.py          ends the wait of another process
 launched_child.py     a child, as its parent sees it: its start by spawn or fork, its configuration and its end

@@ -51,7 +51,7 @@ CAPACITIES = {
     "bus_status": 1 << 20,
 }
 # The processes that wait for a new value of each file. Other readers check it at intervals.
-WAITS = {
+WAITING_PROCESSES = {
     "permit": ("guard", "render"),
     "frame": ("guard",),
     "selections": ("guard", "render"),
@@ -76,7 +76,9 @@ def open_wake_pipe(folder: Path, process: str) -> WakePipe:
 
 def open_wakes(file: Path) -> tuple[WakePipe, ...]:
     """Open the pipes of the processes that wait for a file, for its writer."""
-    return tuple(open_wake_pipe(file.parent, process) for process in WAITS.get(file.name, ()))
+    return tuple(
+        open_wake_pipe(file.parent, process) for process in WAITING_PROCESSES.get(file.name, ())
+    )
 
 
 class PermitState(IntEnum):

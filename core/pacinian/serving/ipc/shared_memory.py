@@ -3,6 +3,8 @@
 One process writes, any number read. The memory is a mapped file, in RAM if the system has such a folder. The writer
 puts a value in the next of several slots, then publishes its number. A reader that was overtaken while copying notices
 by the slot's number or by the checksum, which includes the number. This also works on machines that reorder stores.
+
+The sizes are `CAPACITIES` and `compute_frame_capacity` in messages.py.
 """
 
 from __future__ import annotations

@@ -28,7 +28,6 @@ from pacinian.serving.render.scene_replica import SceneReplica
 from pacinian.serving.render.touch_report import explain_contact, explain_loading, explain_outside
 from pacinian.serving.render.zone_placement import ZonePlacement
 from pacinian.solving.problem import Limits
-from pacinian.solving.quiet_zone import Zone
 from pacinian.wire.convert_modulation import technique_to_scene
 
 if TYPE_CHECKING:
@@ -36,14 +35,13 @@ if TYPE_CHECKING:
 
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
-    from pacinian.scene.modulation.technique import Technique
     from pacinian.serving.ipc.messages import Selections
     from pacinian.serving.ipc.shared_memory import SharedRegister
     from pacinian.serving.ipc.wake_pipe import WakePipe
     from pacinian.serving.render.background_loader import BackgroundLoader
     from pacinian.serving.render.solver_switcher import SolverSwitcher
     from pacinian.serving.settings import Settings
-    from pacinian.wire.modulation import Technique as WireTechnique
+    from pacinian.wire.modulation import Technique
     from pacinian.wire.replies import Plugin
     from pacinian.wire.silence_cause import Silence
 
@@ -104,12 +102,8 @@ class RenderLoop:
         self._changes = RegisterReader(
             files["changes"], decode_changes, (messages.Changes(0, 0, ()), 0)
         )
-        zones = settings.safety.zones
-        self.replica = SceneReplica(
-            settings.workspace,
-            loader,
-            tuple(Zone(z.position, pressure=z.pressure, radius=z.radius) for z in zones),
-        )
+        zones = tuple(zone.make() for zone in settings.safety.zones)
+        self.replica = SceneReplica(settings.workspace, loader, zones)
         self._device.look()
         self._outputs = OutputSwitcher(
             files["frame"], self._device, self._permit, settings.rate, self._make_tag
@@ -129,13 +123,12 @@ class RenderLoop:
             start_thread=start_background_thread,
         )
         limits = Limits(gain=settings.gain, power=settings.power)
-        self._quiet = True
-        self._quieting = ZonePlacement(array, self.renderer.session.medium, limits, len(zones))
+        self._zones_kept = True
+        self._zone_placement = ZonePlacement(
+            array, self.renderer.session.medium, limits, len(zones)
+        )
         self._done = messages.Selections()
-        # The default technique, by name and value.
-        self._kind: tuple[str, Technique] = "", SIMULTANEOUS
-        self._presentation: WireTechnique | None = None
-        self._intensity = 1.0
+        self._technique: Technique | None = None  # the default one, as selected
         self._reset = 0
         # When the cause of silence was found [s], and whether a hand was seen.
         self._explained = -math.inf, False
@@ -146,7 +139,7 @@ class RenderLoop:
     def prepare_zones(self) -> None:
         """Prepare the quiet zones of the settings. May take seconds. Raises ArgumentError if they cannot be kept."""
         if self.replica.zones:
-            self._quieting.prepare(self.replica.zones)
+            self._zone_placement.prepare(self.replica.zones)
 
     def open(self) -> None:
         """Open the renderer, and render the bus's changes from now on. Earlier changes are skipped."""
@@ -204,7 +197,7 @@ class RenderLoop:
             or self._switched
             or self.renderer.rendered_scene is not self.replica.silenced
             or self.replica.loading
-            or self._quieting.preparing
+            or self._zone_placement.preparing
         )
 
     @property
@@ -257,18 +250,18 @@ class RenderLoop:
         if self._permit.look() and self._permit.value.epoch != epoch:
             self.renderer.restart()  # nothing that an earlier permit has begun may sound under this one
         self._try(self._take_changes)
-        self._quiet = self._is_quiet()
+        self._zones_kept = self._are_zones_kept()
         permit = self._permit.value
         over = self.clock.now() > permit.until - FADE_LEAD
         other = permit.scene != self.replica.number
-        hushed = (
+        silenced = (
             permit.armed != messages.PermitState.ARMED
             or permit.stopped
             or over
             or other
-            or not self._quiet
+            or not self._zones_kept
         )
-        return self.replica.silenced if hushed else self.replica.scene
+        return self.replica.silenced if silenced else self.replica.scene
 
     def _take_changes(self) -> None:
         """Apply the new changes."""
@@ -285,11 +278,11 @@ class RenderLoop:
             messages.pack(messages.ChangesAck(new.number, self.run, new.run))
         )
 
-    def _is_quiet(self) -> bool:
+    def _are_zones_kept(self) -> bool:
         """Whether the current quiet zones can be enforced. There is silence until they are prepared."""
-        if not self._quieting.keeps(self.replica.zones):
+        if not self._zone_placement.keeps(self.replica.zones):
             return False
-        self.renderer.limits = self._quieting.limits
+        self.renderer.limits = self._zone_placement.limits
         return True
 
     def _poll_solver(self) -> None:
@@ -317,17 +310,15 @@ class RenderLoop:
                 {f"intensity {intensity}": self._try(lambda: self._set_intensity(level))}
             )
 
-    def _set_technique(self, technique: WireTechnique | None) -> None:
+    def _set_technique(self, technique: Technique | None) -> None:
         """Set the default technique. Raises ArgumentError, WireError."""
-        name = "" if technique is None else str(technique.__struct_config__.tag)
-        kind = SIMULTANEOUS if technique is None else technique_to_scene(technique)
-        self.replica.present(kind, self._intensity)
-        self._kind, self._presentation = (name, kind), technique
+        made = SIMULTANEOUS if technique is None else technique_to_scene(technique)
+        self.replica.present(made, self.replica.intensity)
+        self._technique = technique
 
     def _set_intensity(self, intensity: float) -> None:
         """Set the factor on all pressures."""
-        self.replica.present(self._kind[1], intensity)
-        self._intensity = intensity
+        self.replica.present(self.replica.technique, intensity)
 
     def _restart_after_reset(self) -> None:
         """After a reset, restart the renderer once the device has no fault."""
@@ -372,10 +363,11 @@ class RenderLoop:
     def _make_state(self, now: float) -> dict[str, Any]:
         renderer = self.renderer
         state = renderer_status.make_status(renderer, now - renderer.start)
-        state["technique"], state["intensity"] = self._kind[0], self._intensity
-        state["presentation"] = self._presentation
-        if not self._quiet:
-            state["status"] = self._quieting.note
+        technique = self._technique
+        state["technique"] = "" if technique is None else technique.__struct_config__.tag
+        state["presentation"], state["intensity"] = technique, self.replica.intensity
+        if not self._zones_kept:
+            state["status"] = self._zone_placement.note
         found = None if "asked" in state else self._explain(now, seen=bool(state["hands"]))
         if found is not None:
             state["cause"], state["why"] = found

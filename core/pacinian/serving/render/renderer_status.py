@@ -10,9 +10,9 @@ from msgspec.structs import asdict
 
 from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.errors import shorten
+from pacinian.region_numbers import BESIDE
 from pacinian.scene.sampling.hand_tracking import FADE_TIME, HOLD_TIME
 from pacinian.scene.sampling.sample_counts import label_object
-from pacinian.scene.sampling.samples import BESIDE
 from pacinian.serving.render.touch_report import find_touches
 
 if TYPE_CHECKING:

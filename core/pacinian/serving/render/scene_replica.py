@@ -63,8 +63,10 @@ class SceneReplica:
         self._loader, self._log = loader, RateLimitedLog()
         self.number = 0
         """Number of the scene."""
-        self._technique: Technique = SIMULTANEOUS
-        self._intensity = 1.0
+        self.technique: Technique = SIMULTANEOUS
+        """The technique of objects without their own. `present` sets it."""
+        self.intensity = 1.0
+        """The factor on all pressures. `present` sets it."""
         self._items: dict[str, Object] = {}
         self._given: dict[str, Given] = {}
         self._turn = 0
@@ -141,9 +143,9 @@ class SceneReplica:
 
     def present(self, technique: Technique, intensity: float) -> None:
         """Set the technique of objects without their own, and the factor on all pressures."""
-        if (technique, intensity) == (self._technique, self._intensity):
+        if (technique, intensity) == (self.technique, self.intensity):
             return
-        self._technique, self._intensity = technique, intensity
+        self.technique, self.intensity = technique, intensity
         for item in list(self._items.values()):
             self._change(item)
             self._apply_settings(self._items[item.name])
@@ -220,11 +222,11 @@ class SceneReplica:
     def _apply_settings(self, item: Object) -> Object:
         given = self._given[item.name]
         if given.radiation_pressure is not None:
-            force_setattr(item, "radiation_pressure", self._intensity * given.radiation_pressure)
+            force_setattr(item, "radiation_pressure", self.intensity * given.radiation_pressure)
         if given.force is not None:
-            force_setattr(item, "force", self._intensity * given.force)
+            force_setattr(item, "force", self.intensity * given.force)
         if given.default:
-            force_setattr(item, "technique", self._technique)
+            force_setattr(item, "technique", self.technique)
         return item
 
     def _load(self, change: messages.AnyChange, job: Callable[[], Object | Timed]) -> None:

@@ -50,7 +50,7 @@ class ZonePlacement:
 
         Raises ArgumentError.
         """
-        rms = self.limits.rms(len(self._array))
+        rms = self.limits.compute_max_rms(len(self._array))
         self._preparation.get(self._array, self._medium, zones, rms, Budget())
         self.limits = replace(self.limits, zones=zones)
 
@@ -78,7 +78,7 @@ class ZonePlacement:
     def _look(self, zones: tuple[Zone, ...]) -> None:
         """Take the result of a preparation, if there is one."""
         assert self._next is not None
-        rms = self.limits.rms(len(self._array))
+        rms = self.limits.compute_max_rms(len(self._array))
         self.note = "silent: the quiet zones are being prepared"
         try:
             made = self._preparation.get(self._array, self._medium, self._next, rms, AT_ONCE)

@@ -12,7 +12,7 @@ import zmq
 
 from pacinian.wire.connection_file import Connection
 from pacinian_lab.server.faults.game import POINT
-from pacinian_lab.server.faults.misbehaving_client import Peer, Silent, prepare
+from pacinian_lab.server.faults.misbehaving_client import MisbehavingClient, Silent, prepare
 from pacinian_lab.server.faults.proxy import Proxy
 from pacinian_lab.server.faults.rig import Times, until
 
@@ -135,7 +135,7 @@ def restart_server(rig: Rig) -> Times:
     Messages that the client sends in between must not arrive, and its old session and token must not be valid.
     """
     rig.wait_for_sound()
-    with Peer(rig.server.file) as old:
+    with MisbehavingClient(rig.server.file) as old:
         old.hello(client="left behind")
         silence = rig.inject_fault(lambda: rig.server.signal("control", signal.SIGKILL))
         until(lambda: not rig.server.list_running())

@@ -17,7 +17,7 @@ from pathlib import Path
 
 from pacinian.errors import PacinianError
 from pacinian.wire.binary_arrays import pack
-from pacinian_lab.server.faults.misbehaving_client import Message, Peer, Silent
+from pacinian_lab.server.faults.misbehaving_client import Message, MisbehavingClient, Silent
 
 RATE = 90.0  # [Hz]
 ARM_INTERVAL = 0.05  # [s] between attempts to arm
@@ -27,12 +27,12 @@ POINT: Message = {"type": "point", "position": [0.0, 0.0, HEIGHT], "radiation_pr
 
 
 class Game:
-    """The game. file: the server's connection file. hide: as in `Peer`."""
+    """The game. file: the server's connection file. hide: as in `MisbehavingClient`."""
 
     def __init__(self, file: Path, **hide: str) -> None:
         self.file, self.hide = file, hide
         self._ahead = 0.0  # [s] offset of its clock
-        self._peer: Peer | None = None
+        self._client: MisbehavingClient | None = None
         self._heard = self._tried = 0.0
 
     def clock(self) -> float:
@@ -45,51 +45,53 @@ class Game:
             time.sleep(seconds)
         elif kind == "jump":
             self._ahead += seconds
-        elif self._peer is not None:
-            self._peer.say(kind, **fields)
+        elif self._client is not None:
+            self._client.say(kind, **fields)
 
     def tick(self) -> list[Message]:
         """Play one tick, and return the answers received."""
         now = time.perf_counter()
         try:
-            if self._peer is None or now - self._heard > LOST:
+            if self._client is None or now - self._heard > LOST:
                 self._connect()
                 return []
-            self._peer.renew()
+            self._client.renew()
             x, y = (RADIUS * f(TURN * now) for f in (math.cos, math.sin))
             poses = pack([[x, y, HEIGHT, 0.0, 0.0, 0.0, 1.0]])
-            self._peer.tell("move", names=["thing"], poses=poses)
-            return self._listen(self._peer, now)
+            self._client.tell("move", names=["thing"], poses=poses)
+            return self._listen(self._client, now)
         except (Silent, PacinianError):  # the server is gone
             self._heard = 0.0
             return []
 
     def _connect(self) -> None:
         self.close()
-        self._peer = peer = Peer(self.file, clock=self.clock, beats=True, **self.hide)
-        if peer.hello(wait=LOST, client="game")["type"] == "welcome":
+        self._client = client = MisbehavingClient(
+            self.file, clock=self.clock, beats=True, **self.hide
+        )
+        if client.hello(wait=LOST, client="game")["type"] == "welcome":
             self._heard = time.perf_counter()
-            peer.tell("put", objects={"thing": POINT})
-            peer.renew()
-            peer.say("arm")
+            client.tell("put", objects={"thing": POINT})
+            client.renew()
+            client.say("arm")
 
-    def _listen(self, peer: Peer, now: float) -> list[Message]:
-        replies = peer.drain()
+    def _listen(self, client: MisbehavingClient, now: float) -> list[Message]:
+        replies = client.drain()
         for reply in replies:
             if reply["type"] == "renewed":
                 self._heard = now
                 if not reply["armed"] and reply["id"] and now - self._tried > ARM_INTERVAL:
                     self._tried = now
-                    peer.say("arm")
+                    client.say("arm")
             elif reply.get("code") == "session":
                 self._heard = 0.0
         return [reply for reply in replies if reply["type"] in ("ok", "error")]
 
     def close(self) -> None:
         """Close the connection."""
-        if self._peer is not None:
-            self._peer.close()
-            self._peer = None
+        if self._client is not None:
+            self._client.close()
+            self._client = None
 
 
 def main() -> None:

@@ -27,7 +27,7 @@ class Silent(TimeoutError):
     """No answer arrived in time."""
 
 
-class Peer(Closeable):
+class MisbehavingClient(Closeable):
     """A client connected to the server of a connection file; a context manager.
 
     hide: replaces fields of the file, such as the token or an address. clock: the client's clock [s]. beats: use
@@ -63,7 +63,7 @@ class Peer(Closeable):
 
     def hello(self, wait: float = 5.0, **more: Any) -> Message:
         """Say hello and return the answer, `welcome` or `error`."""
-        fields = {"protocol": [MAJOR, MINOR], "client": "peer", **more}
+        fields = {"protocol": [MAJOR, MINOR], "client": "client", **more}
         reply = self.ask("hello", wait, **fields)
         self.session = reply.get("session", b"")
         return reply

@@ -15,7 +15,7 @@ import numpy as np
 from pacinian.closeable import Closeable
 from pacinian_lab.server.faults.hanging_solver import STUCK
 from pacinian_lab.server.faults.logging_device import BLOCKED, UNPLUGGED
-from pacinian_lab.server.faults.misbehaving_client import Peer, Silent
+from pacinian_lab.server.faults.misbehaving_client import MisbehavingClient, Silent
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -58,10 +58,10 @@ class Rig(Closeable):
         """Time of the fault [s]."""
         self._marks = [0] * len(server.logs)
         self._quiet = QUIET
-        self._onlooker: Peer | None = None
+        self._onlooker: MisbehavingClient | None = None
 
     @property
-    def onlooker(self) -> Peer:
+    def onlooker(self) -> MisbehavingClient:
         """A second client, with a session."""
         if self._onlooker is not None and self._onlooker.session:
             self._onlooker.drain()
@@ -71,12 +71,12 @@ class Rig(Closeable):
             except Silent:
                 pass
         self.leave()
-        self._onlooker = Peer(self.server.file)
+        self._onlooker = MisbehavingClient(self.server.file)
         self._onlooker.hello(client="onlooker")
         return self._onlooker
 
     def play(self, **hide: str) -> None:
-        """Start the game. hide: as in `Peer`."""
+        """Start the game. hide: as in `MisbehavingClient`."""
         command = [sys.executable, "-m", "pacinian_lab.server.faults.game", str(self.server.file)]
         command += [f"{key}={value}" for key, value in hide.items()]
         self.game = subprocess.Popen(

@@ -19,7 +19,7 @@ from msgspec.structs import asdict
 
 from pacinian.wire.connection_file import Connection
 from pacinian.wire.protocol import MAX_COMMAND_BYTES, MAX_CONTROL_BYTES
-from pacinian_lab.server.faults.misbehaving_client import Peer, Silent
+from pacinian_lab.server.faults.misbehaving_client import MisbehavingClient, Silent
 from pacinian_lab.server.fuzz.messages import COMMANDS, CONTROLS
 from pacinian_lab.server.fuzz.mutations import Spoiler
 from pacinian_lab.server.fuzz.packets import ANSWERS, packet, throw, within
@@ -41,36 +41,40 @@ class Flood:
         self.sent: Counter[str] = Counter()
         self.failed = 0
 
-    def messages(self, kind: str) -> Iterator[Peer]:
+    def messages(self, kind: str) -> Iterator[MisbehavingClient]:
         """Send mutated messages from an authenticated client. Its heartbeats are part of the load."""
         examples = COMMANDS if kind == "command" else CONTROLS
-        with Peer(self.file, beats=True) as peer, Peer(self.file, beats=True) as stranger:
+        with (
+            MisbehavingClient(self.file, beats=True) as client,
+            MisbehavingClient(self.file, beats=True) as stranger,
+        ):
             spoiler = Spoiler(self.random, b"")
-            socket = peer.command if kind == "command" else peer.control
+            socket = client.command if kind == "command" else client.control
             longest = MAX_COMMAND_BYTES if kind == "command" else MAX_CONTROL_BYTES
             while True:
-                if not self._heard(peer, spoiler, kind):  # a mutation may have used up the sequence
-                    peer.hello(client="hostile")
-                    spoiler.session, spoiler.sequence = peer.session, 0
+                # a mutation may have used up the sequence
+                if not self._heard(client, spoiler, kind):
+                    client.hello(client="hostile")
+                    spoiler.session, spoiler.sequence = client.session, 0
                 for _ in range(BATCH):
                     if kind == "control" and self.random.random() < HELLO:
                         self._send(stranger.control, MAX_CONTROL_BYTES, *spoiler.hello())
                     else:
                         made = spoiler.next(examples, time.perf_counter())
                         self._send(socket, longest, *made)
-                peer.drain()
+                client.drain()
                 stranger.drain()
-                yield peer
+                yield client
 
     @staticmethod
-    def _heard(peer: Peer, spoiler: Spoiler, kind: str) -> bool:
+    def _heard(client: MisbehavingClient, spoiler: Spoiler, kind: str) -> bool:
         """Return whether the server has read all messages and still takes a valid one."""
         try:
             if kind == "control":
-                return bool(peer.ask("status", MAX_WAIT)["type"] == "state")
-            peer.sequence = spoiler.sequence
+                return bool(client.ask("status", MAX_WAIT)["type"] == "state")
+            client.sequence = spoiler.sequence
             spoiler.sequence += 1
-            reply = peer.tell("remove", MAX_WAIT, names=[])
+            reply = client.tell("remove", MAX_WAIT, names=[])
         except Silent:
             return False
         return bool(reply and reply["type"] == "ok")
@@ -87,10 +91,10 @@ class Flood:
 
     def _apart(self, data: bytes) -> None:
         """Send a message that is too long on a separate connection, because it ends the connection."""
-        with Peer(self.file, beats=True) as peer:
-            if peer.control.poll(1000, zmq.POLLOUT):
-                peer.control.send(data)
-                peer.control.poll(FAREWELL)
+        with MisbehavingClient(self.file, beats=True) as client:
+            if client.control.poll(1000, zmq.POLLOUT):
+                client.control.send(data)
+                client.control.poll(FAREWELL)
 
     def packets(self) -> Iterator[None]:
         """Open raw connections to all sockets."""
@@ -119,9 +123,9 @@ def main() -> None:
     start = time.perf_counter()
     ways = {"raw": flood.packets, "burn": flood.burn}
     steps = ways[kind]() if kind in ways else flood.messages(kind)
-    for peer in steps:
-        if isinstance(peer, Peer):
-            codes = peer.codes
+    for client in steps:
+        if isinstance(client, MisbehavingClient):
+            codes = client.codes
         if flood.sent.total() >= int(messages) or time.perf_counter() > start + float(seconds):
             break
     took = time.perf_counter() - start

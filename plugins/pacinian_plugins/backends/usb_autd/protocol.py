@@ -7,7 +7,8 @@ from enum import IntEnum
 MAJOR, MINOR = 1, 0
 # class (vendor-specific), subclass and protocol, which identify the format
 INTERFACE = 0xFF, 0x41, MAJOR
-VENDOR, PRODUCT = 0x1209, 0x0001  # test IDs of pid.codes; manufacturers use their own
+# of the reference: test IDs of pid.codes; manufacturers use their own
+VENDOR, PRODUCT = 0x1209, 0x0001
 ENDPOINT = 0x01  # bulk OUT, where it is free to choose
 
 UNIT, MAX_TRANSDUCERS = 249, 16  # transducers per unit; units per device

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import pacinian as pc
+from pacinian.solving.target_scaling import scale_targets
 from pacinian_plugins.native.gs import iterate
 
 if TYPE_CHECKING:
@@ -16,14 +17,15 @@ if TYPE_CHECKING:
 MIN_ABS = 1e-18  # least |x| whose square does not underflow in single precision
 # limits between two checks of the clock: number of steps; steps times elements of B
 BLOCK, MAX_WORK = 10, 1_000_000
-# largest drive, as a multiple of what a focus needs; largest targets, as a multiple of a focus
-MAX_DRIVE, MAX_TARGET = 10.0, 1000.0
-AT_LIMIT = 0.999  # share of the limit from which a transducer counts as at its limit
+MAX_TARGET = 1000.0  # largest targets, as a multiple of a focus
+# Share of the limit from which a transducer counts as at its limit: less than `AT_LIMIT` of other solvers, because
+# the last scaling lowers gains that the steps have clipped.
+NEAR_LIMIT = 0.999
 CONVERGED = 1e-4  # relative error of the amplitudes at which the weights have converged
 
 
 @dataclass(frozen=True, eq=False)
-class Run:
+class Alternation:
     """One call of `gs` or `weighted-gs`."""
 
     propagator: pc.Propagator
@@ -33,7 +35,7 @@ class Run:
     budget: pc.Budget
     out: pc.Gains
 
-    def go(self, steps: int, floor: float, exponent: float = 0.0, hold: int = 0) -> pc.Result:
+    def run(self, steps: int, floor: float, exponent: float = 0.0, hold: int = 0) -> pc.Result:
         """Take up to `steps` steps and write the gains.
 
         floor: least |x| in g = x / max(|x|, floor). exponent, hold: as of `WeightedGs`; hold 0 means never.
@@ -48,7 +50,7 @@ class Run:
             return pc.Result(note="no transducer reaches the points")
         t = np.where(asked, self.targets.amplitudes, 0.0)
         reach = float(np.sqrt(N * d[asked]).mean())  # [Pa] of a focus at full drive
-        t, unit = _relative(t, reach, self.targets.scale, self.limits.gain)
+        t, unit = scale_targets(t, reach, self.targets.scale, self.limits.gain, MAX_TARGET)
         m = np.arange(M)
         start = np.pi * m * m / M if self.warm is None else np.angle(self.warm.sound_pressure)
         u = np.exp(1j * np.where(free, start, self.targets.phases))
@@ -76,17 +78,8 @@ class Run:
         top = np.inf if self.limits.gain is None else self.limits.gain
         size = unit if self.targets.scale == "max" else min(unit * abs(best), top)
         self.out[:] = (h[0] + 1j * h[1]) * (best / (abs(best) or 1.0) * size)
-        held = size * float(np.hypot(h[0], h[1]).max()) >= AT_LIMIT * top
-        return pc.Result(iterations=done, limited=held, late=late)
-
-
-def _relative(t: Floats, reach: float, scale: str, limit: float | None) -> tuple[Floats, float]:
-    """Return the targets [Pa] at |h| = 1, and the unit of h as a gain. reach: pressure of a focus at gain 1 [Pa]."""
-    need = float(np.linalg.norm(t)) / reach
-    if scale == "max":
-        return t / need, limit or 1.0
-    unit = MAX_DRIVE * need if limit is None else min(limit, MAX_DRIVE * need)
-    return t * (min(1.0, MAX_TARGET * unit / need) / unit), unit
+        at_limit = size * float(np.hypot(h[0], h[1]).max()) >= NEAR_LIMIT * top
+        return pc.Result(iterations=done, limited=at_limit, late=late)
 
 
 def _spread(p: Floats, t: Floats) -> float:

@@ -10,7 +10,7 @@ from msgspec import Meta
 
 import pacinian as pc
 from pacinian.argument_checks import check_integer, check_kind, check_number
-from pacinian_plugins.solvers.gs.alternation import MIN_ABS, Run
+from pacinian_plugins.solvers.gs.alternation import MIN_ABS, Alternation
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,8 @@ class Gs(pc.Solver):
     ) -> pc.Result:
         """Write the gains; see `pacinian.Solver.solve`."""
         floor = 1.0 if self.amplitudes else MIN_ABS
-        return Run(propagator, targets, limits, warm, budget, out).go(self.steps, floor)
+        alternation = Alternation(propagator, targets, limits, warm, budget, out)
+        return alternation.run(self.steps, floor)
 
 
 @dataclass(frozen=True)
@@ -89,5 +90,5 @@ class WeightedGs(pc.Solver):
         out: pc.Gains,
     ) -> pc.Result:
         """Write the gains; see `pacinian.Solver.solve`."""
-        run = Run(propagator, targets, limits, warm, budget, out)
-        return run.go(self.steps, MIN_ABS, self.exponent, self.hold)
+        alternation = Alternation(propagator, targets, limits, warm, budget, out)
+        return alternation.run(self.steps, MIN_ABS, self.exponent, self.hold)

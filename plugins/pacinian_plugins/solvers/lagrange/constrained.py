@@ -10,9 +10,8 @@ import numpy as np
 
 from pacinian.solving.least_squares import Reduced
 from pacinian.solving.phases import choose_phases
-from pacinian.solving.propagator import gram_matrix
+from pacinian.solving.propagator import gram_matrix, mean_square
 from pacinian_plugins.solvers.lagrange.convex import Answer, least_squares, maximise_scale
-from pacinian_plugins.solvers.lagrange.convex.gram_scale import mean_square
 from pacinian_plugins.solvers.lagrange.strongest_phases import optimise_free_phases
 from pacinian_plugins.solvers.lagrange.strongest_uniform import find_strongest_uniform
 
@@ -69,11 +68,11 @@ class Constrained:
         G = propagator.gram if reduced is None and len(parts) == 1 else gram_matrix(A)
         return cls(problem, mu, limits.gain or 1.0, A, G, reduced)
 
-    def nearest(self, rounds: int) -> Found:
+    def solve_nearest(self, rounds: int) -> Found:
         """Find the nearest pressures within the limits; choose free phases again while that lowers the error."""
         propagator, targets, limits, _, budget, _ = self.problem
         p = choose_phases(propagator, targets, None) / self.unit
-        exact = limits.exact_mask(len(p)) if limits.exact is not None else None
+        exact = limits.make_exact_mask(len(p)) if limits.exact is not None else None
         best: Found | None = None
         start: Complexes | None = None
         for _ in range(rounds):
@@ -98,7 +97,7 @@ class Constrained:
         assert best is not None  # rounds >= 1
         return best
 
-    def strongest(self, phases: Floats | None = None) -> Found:
+    def solve_strongest(self, phases: Floats | None = None) -> Found:
         """Find the largest multiple of the targets within the limits; free phases start from `phases`, (M,) [rad].
 
         If the proportions cannot be made at all, find the nearest pressures of any strength.
@@ -129,7 +128,7 @@ class Constrained:
         )  # fmt: skip
         return self._found(nearest)._replace(unproven=unproven)
 
-    def evenly(self) -> Found:
+    def solve_evenly(self) -> Found:
         """Find the largest even multiple of a region's targets within the limits; see `find_strongest_uniform`."""
         _, targets, limits, _, budget, _ = self.problem
         answers = list[Answer]()

@@ -109,31 +109,31 @@ inline void certify(f8 mu, Workspace& w) {
     w.held = held;
 }
 
-inline void deliver(View<const f4, 2> h, f8 unit, View<c8, 1> out) {
-    require(h.shape[0] >= 2 && h.shape[1] == out.size(), "deliver: the shapes differ");
+inline void write_gains(View<const f4, 2> h, f8 unit, View<c8, 1> out) {
+    require(h.shape[0] >= 2 && h.shape[1] == out.size(), "write_gains: the shapes differ");
     for (Index n = 0; n < out.size(); ++n) out[n] = c8(static_cast<f4>(unit * h(0, n)), static_cast<f4>(unit * h(1, n)));
 }
 
 inline i8 solve_dual(View<const c8, 2> B, View<const c16, 2> G, f8 mu, i8 steps, f8 enough, Workspace& w, f8 unit, View<c8, 1> out) {
     const i8 taken = take_dual_steps(B, G, mu, steps, enough, w);
     certify(mu, w);
-    deliver(w.h.view, unit, out);
+    write_gains(w.h.view, unit, out);
     return taken;
 }
 
 inline void define_dual(nb::module_& m) {
     kernel(m, "solve_dual", &solve_dual,
-           "Solve Re(conj(u_k) (B h(B^H y) + y)) = t_k by Newton steps on the multipliers y, then `certify` and `deliver`.\n\n"
+           "Solve Re(conj(u_k) (B h(B^H y) + y)) = t_k by Newton steps on the multipliers y, then `certify` and `write_gains`.\n\n"
            "One equation per sample where its phase is `free`, along the phasor of the pressure made, two where it is fixed.\n"
            "G: B B^H, (M, M). mu: [Pa^2]. steps: at most. enough: ||F|| / ||p|| to stop at. workspace: has the targets p and the\n"
-           "multipliers y to start from; the kernel writes y, h, made, error, cost and stalled. unit, out: as of `deliver`.\n"
+           "multipliers y to start from; the kernel writes y, h, made, error, cost and stalled. unit, out: as of `write_gains`.\n"
            "Returns the number of steps, negative if they came to nothing.",
            "B", "G", "mu", "steps", "enough", "workspace", "unit", "out");
     kernel(m, "certify", &certify,
            "Write `bound`, D(y), `objective`, 1/2 ||p - made||^2 + mu/2 ||h||^2 for the phases made, and `held`.\n\n"
            "workspace: with p, free, y, h, made, and cost at y.",
            "mu", "workspace");
-    kernel(m, "deliver", &deliver, "Write the gains, (N,), of those in units of the limit, h, (2 or more, N).", "h", "unit", "out");
+    kernel(m, "write_gains", &write_gains, "Write the gains, (N,), of those in units of the limit, h, (2 or more, N).", "h", "unit", "out");
 }
 
 }  // namespace pacinian::lagrange

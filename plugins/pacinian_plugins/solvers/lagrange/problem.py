@@ -1,4 +1,4 @@
-"""One problem: the arguments of `pacinian.Solver.solve`, and questions about its gains."""
+"""One problem: the arguments of `pacinian.Solver.solve`, questions about its gains, and the note on their limit."""
 
 from __future__ import annotations
 
@@ -67,3 +67,8 @@ class Problem(NamedTuple):
         """Return a sort key: whether gains, (N,), keep the proportions, then how strong they are [Pa]."""
         p = self.propagator.apply(gains)
         return relative_error(self.targets, p) <= TOLERANCE, float(np.linalg.norm(p))
+
+
+def describe_at_limit(count: int, N: int) -> str:
+    """Return a note for `count` of N transducers at their limit, or an empty text if there are none."""
+    return f"{count / N:.0%} of the transducers at their limit" if count else ""

@@ -75,10 +75,10 @@ def solve_newton(
         last, best = short, y
         if short <= STOP_RESIDUAL * np.linalg.norm(p) or (budget is not None and budget.spent):
             break
-        held = size > mu
+        at_limit = size > mu
         A = (u.conj()[:, None] * G[np.ix_(sample, sample)] * u).real / mu
-        C = u.conj()[:, None] * B[np.ix_(sample, np.flatnonzero(held))] * h[held]
-        A -= (C.real / mu) @ C.real.T + (C.imag * (1.0 / mu - 1.0 / size[held])) @ C.imag.T
+        C = u.conj()[:, None] * B[np.ix_(sample, np.flatnonzero(at_limit))] * h[at_limit]
+        A -= (C.real / mu) @ C.real.T + (C.imag * (1.0 / mu - 1.0 / size[at_limit])) @ C.imag.T
         A[np.diag_indices_from(A)] += 1.0
         y = y.copy()
         np.add.at(y, sample, u * np.linalg.lstsq(A, F, rcond=float(np.finfo(A.dtype).eps))[0])

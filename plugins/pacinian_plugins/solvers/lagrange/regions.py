@@ -1,7 +1,7 @@
 """Least squares under the gain limit for regions: all phases are given, and no Gram matrix is formed.
 
 The samples of a region lie closer together than the array resolves. Therefore B B^H is nearly singular, and its
-regularisation mu affects the solution. Squared errors have weight 1, or `OUTSIDE_WEIGHT` beside regions. The dual is
+regularisation mu affects the solution. Squared errors have weight 1, or `BESIDE_WEIGHT` beside regions. The dual is
 that of `convex.dual`: y solves F(y) = p - D y - B h(B^H y) = 0, where D is 1 over the weights. Newton steps find y.
 Each step solves (D + B W B^H) d = F by conjugate gradients, with W = dh/dx: 1 / mu in both directions for a gain below
 its limit, and 1 / |x| along its phase for a gain at its limit. Each product reads B once.
@@ -26,11 +26,12 @@ import pacinian as pc
 from pacinian.solving.solution_metrics import AT_LIMIT
 from pacinian_plugins.native.lagrange import (
     RegionWorkspace,
-    deliver,
     scale_for_single,
     solve_region,
     start_region,
+    write_gains,
 )
+from pacinian_plugins.solvers.lagrange.problem import describe_at_limit
 from pacinian_plugins.solvers.lagrange.reference import solve_newton
 from pacinian_plugins.solvers.lagrange.strongest_uniform import find_strongest_uniform
 
@@ -38,7 +39,7 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats, Gains, Indices
     from pacinian_plugins.solvers.lagrange.problem import Problem
 
-OUTSIDE_WEIGHT = 0.02  # weight of points beside regions
+BESIDE_WEIGHT = 0.02  # weight of points beside regions
 # Least number of transducers in the preconditioner of an array that has more, and largest stride from one to the next.
 MIN_COLUMNS, MAX_STRIDE = 500, 4
 # Largest number of samples whose preconditioner is one block, and largest size of the blocks of more samples.
@@ -104,7 +105,7 @@ def solve(problem: Problem, relative: float) -> pc.Result:
     D, scale = np.empty(M), share / unit
     before, phases, factor = find_start(targets, warm)
     start_region(
-        targets.amplitudes, targets.phases, targets.beside, scale, OUTSIDE_WEIGHT, before, phases, scale * factor,
+        targets.amplitudes, targets.phases, targets.beside, scale, BESIDE_WEIGHT, before, phases, scale * factor,
         p, D, y,
     )  # fmt: skip
     workspace = find_workspace(propagator, len(before) > 0 and moved_together(propagator, warm))
@@ -120,8 +121,8 @@ def solve(problem: Problem, relative: float) -> pc.Result:
     p, y, scale, steps = ascent.p, ascent.y, unit / max(share, 1.0), ascent.steps
     done = strongest or workspace.met or budget.spent
     if done and out.dtype == np.complex64:
-        deliver(workspace.h, scale, out)
-        bound, objective, held = workspace.bound, workspace.objective, workspace.held
+        write_gains(workspace.h, scale, out)
+        bound, objective, at_limit = workspace.bound, workspace.objective, workspace.held
     else:
         w = 1.0 / np.sqrt(D)  # factors on the rows, so that each error has its weight
         A, start_at = w[:, None] * propagator.B, y / w
@@ -136,18 +137,18 @@ def solve(problem: Problem, relative: float) -> pc.Result:
             h, y, bound, objective = answer.h, w * answer.y, answer.bound, answer.objective
             steps += answer.steps
         out[:] = scale * h
-        held = int((np.abs(out) > AT_LIMIT * scale).sum())
+        at_limit = int((np.abs(out) > AT_LIMIT * scale).sum())
     bound_scale = (unit / share) ** 2 if share >= 1.0 and not strongest else math.nan
     return pc.Result(
         iterations=steps,
-        limited=held > 0 and limits.gain is not None,
+        limited=at_limit > 0 and limits.gain is not None,
         late=budget.spent,
         bound=bound * bound_scale,
         objective=objective * bound_scale,
         multipliers=None if strongest else y * (unit / share),
         mu=mu,
-        quiet_weight=OUTSIDE_WEIGHT,
-        note=f"{held / N:.0%} of the transducers at their limit" if held else "",
+        quiet_weight=BESIDE_WEIGHT,
+        note=describe_at_limit(at_limit, N),
     )
 
 

@@ -20,8 +20,8 @@ from pacinian.solving.phases import choose_phases_into, initial_phases
 from pacinian.solving.solution_metrics import AT_LIMIT
 from pacinian_plugins.native.lagrange import MAX_START, Workspace, scale_for_single, start
 from pacinian_plugins.solvers.lagrange import regions
-from pacinian_plugins.solvers.lagrange.gain_limited import PhaseFreeSolve
-from pacinian_plugins.solvers.lagrange.problem import Problem
+from pacinian_plugins.solvers.lagrange.gain_limited_newton import GainLimitedNewton
+from pacinian_plugins.solvers.lagrange.problem import Problem, describe_at_limit
 
 if TYPE_CHECKING:
     from pacinian.types import Floats
@@ -46,7 +46,7 @@ class Lagrange(pc.Solver):
     again in `constrained`. starts: additional starting phases, tried for at most 16 points, if their targets are not
     met or with `scale="max"`; ignored in a loop, which continues from the previous phases.
 
-    Under the gain limit alone, phases and gains are found together (`gain_limited`). Then the other limits are
+    Under the gain limit alone, phases and gains are found together (`gain_limited_newton`). Then the other limits are
     checked. If one is broken, or if there are more samples than transducers, `constrained` solves a sequence of
     convex problems, one for each choice of phases. If no limit is reached, the solution is the regularised
     pseudo-inverse. Targets with regions have all their phases given and are solved by `regions`. If the deadline leaves
@@ -190,29 +190,29 @@ class Lagrange(pc.Solver):
         workspace = acquire(key, lambda: Workspace(M, N))
         scale, unit = self._start(problem, mu, workspace)
         single = out.dtype == np.complex64
-        solve = PhaseFreeSolve(
+        newton = GainLimitedNewton(
             propagator.single, propagator.gram, mu, workspace, budget,
             unit / max(scale, 1.0), out if single else np.empty(N, np.complex64),
             starts=starts,
         )  # fmt: skip
         strongest = problem.strongest and workspace.free.all()
-        outcome = solve.strongest() if strongest else solve.run()
+        outcome = newton.solve_strongest() if strongest else newton.run()
         bound, objective = outcome.bound, outcome.objective
         if not single:
-            fine = solve.refine(propagator.B)
-            out[:] = solve.unit * fine.h
+            fine = newton.refine(propagator.B)
+            out[:] = newton.unit * fine.h
             bound, objective = fine.bound, fine.objective
         # no proof for the strongest: bound and objective are for the multiple found, not the targets
         bound_scale = (unit / scale) ** 2 if scale >= 1.0 and not strongest else math.nan
         result = pc.Result(
             iterations=outcome.steps,
-            limited=outcome.held > 0 and limits.gain is not None,
+            limited=outcome.at_limit > 0 and limits.gain is not None,
             late=outcome.late,
             bound=bound * bound_scale,
             objective=objective * bound_scale,
             multipliers=None if strongest else workspace.y * (unit / scale),
             mu=mu,
-            note=describe_held(outcome.held, N),
+            note=describe_at_limit(outcome.at_limit, N),
         )
         release(key, workspace, M * N)
         return result, not strongest or outcome.share > (NEARLY_FULL_DRIVE if warm is None else 0.0)
@@ -248,11 +248,11 @@ class Lagrange(pc.Solver):
 
         limits, out, constrained = problem.limits, problem.out, Constrained.of(problem, mu)
         if not problem.strongest:
-            found = constrained.nearest(self.rounds)
+            found = constrained.solve_nearest(self.rounds)
         elif problem.targets.regions is None:
-            found = constrained.strongest(phases)
+            found = constrained.solve_strongest(phases)
         else:
-            found = constrained.evenly()
+            found = constrained.solve_evenly()
         answer, unit = found.answer, constrained.unit
         out[:] = unit * answer.h
         at_limit = int((np.abs(answer.h) > AT_LIMIT).sum()) if limits.gain is not None else 0
@@ -264,7 +264,7 @@ class Lagrange(pc.Solver):
             bound=math.nan if problem.strongest else unit**2 * found.bound,
             objective=math.nan if problem.strongest else unit**2 * found.objective,
             mu=mu,
-            note=describe_held(at_limit, len(out)),
+            note=describe_at_limit(at_limit, len(out)),
             unproven=found.unproven,
         )
 
@@ -280,8 +280,3 @@ def _choose_stronger(
         problem.out[:] = first
         return its_result
     return result
-
-
-def describe_held(count: int, N: int) -> str:
-    """Return a note for `count` of N transducers at their limit, or an empty text if there are none."""
-    return f"{count / N:.0%} of the transducers at their limit" if count else ""

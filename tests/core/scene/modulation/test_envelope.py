@@ -250,7 +250,7 @@ def test_the_paper_s_device_plays_an_envelope_to_within_a_level(envelope: Any) -
     gains = np.exp(2j * np.pi * np.arange(N) / N).astype(np.complex64)
     modulated = (np.sqrt(e)[:, None] * gains).astype(np.complex64)
     device = Capability(phases=256, amplitudes=320, rate=2000.0)
-    frame = Quantiser(device, len(t), N).frame(modulated, 1.0, 0, 0.0)
+    frame = Quantiser(device, len(t), N).make_frame(modulated, 1.0, 0, 0.0)
     played, level = np.abs(frame.gains(device)), 1.0 / 319
     assert np.abs(played - np.sqrt(e)[:, None]).max() <= level
     # the mean is much closer: some transducers round up, and others down

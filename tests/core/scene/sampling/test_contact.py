@@ -24,6 +24,7 @@ from pacinian.scene.objects import Particles, Path
 from pacinian.scene.sampling.array_resolution import ArrayResolution, weigh_incidence
 from pacinian.scene.sampling.hand_tracking import FADE_TIME, HOLD_TIME
 from pacinian.scene.sampling.posed_skin import PosedSkin
+from pacinian.scene.sampling.sampler import SamplingMode
 from pacinian.scene.shapes.csg import Difference, Intersection, Placed, Union
 from pacinian.scene.shapes.curves import Circle
 from pacinian.scene.shapes.height_map import HeightMap
@@ -600,11 +601,11 @@ def test_skin_is_pressed_by_how_well_the_array_sees_it(kind: str) -> None:
     expected = share_seen(EIGHT_TRANSDUCERS, points, normals)
     assert ((expected > 0.05) & (expected < 0.95)).sum() > 3
     if kind == "contact":
-        everywhere = np.empty((0, 3))
+        everywhere, deep = np.empty((0, 3)), np.full(len(each), -1.0)
         found = []
         for some in (everywhere, resolving.viewpoints):
             force = np.zeros(len(each))
-            inside, pressed = hand.find_pressed(each, np.full(len(each), -1.0), 0.0, 1e9, 5.0, some)
+            inside, pressed = hand.find_pressed(each, deep, Material(1e9), 5.0, some)
             force[inside] = pressed
             found.append(force)
         bare, made = found
@@ -833,7 +834,7 @@ def test_what_is_left_out_is_counted_each_time_it_is_looked_for() -> None:
     lost = Hand(np.full((26, 3), np.nan), name="lost")
     scene = pc.Scene((far, ball(), faint), hands=(HAND, lost))
     sampler = pc.Sampler(4, 0.0085)  # on skin that is sampled coarsely, 1.2 times that
-    sampler.fine = False
+    sampler.mode = SamplingMode(fine=False)
     samples = sampler.sample(scene)
     assert len(samples) == 5
     assert sampler.skipped["objects away from hands"] == 1
@@ -863,7 +864,7 @@ def test_hands_that_come_and_go_share_no_key() -> None:
 def sample_finely(*objects: Any, hand: Hand = HAND, fine: bool = True) -> Samples:
     sampler = pc.Sampler(perception=False)
     sampler.prepare(pc.autd(3, 3), pc.Air())
-    sampler.fine = fine
+    sampler.mode = SamplingMode(fine=fine)
     return sampler.sample(pc.Scene(tuple(objects), hands=(hand,)))
 
 

@@ -10,17 +10,17 @@ import pytest
 import pacinian as pc
 from pacinian.scene.modulation.technique import STM
 from pacinian.scene.objects import SPOT, Particles
+from pacinian.scene.sampling.sampler import SamplingMode
 from pacinian.testing import ManualClock
 
 AIR, FORCE = pc.Air(), 2e-3  # [N]
 PLACE, OTHER = (0.02, 0.0, 0.2), (-0.03, 0.02, 0.2)  # [m]
 
 
-def sampled(array: pc.Array, *items: Any, hands: Any = (), **settings: Any) -> pc.Samples:
+def sampled(array: pc.Array, *items: Any, hands: Any = (), **mode: Any) -> pc.Samples:
     sampler = pc.Sampler(perception=False)
     sampler.prepare(array, AIR)
-    for name, value in settings.items():
-        setattr(sampler, name, value)
+    sampler.mode = SamplingMode(**mode)
     scene = pc.Scene(items, hands=hands)
     sampler.sample(scene)
     return sampler.sample(scene, 1.0)  # after the ramp of the hand

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 import pacinian as pc
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.sampling.hand_tracking import FADE_TIME, HOLD_TIME, HandTrack
-from pacinian.scene.sampling.pose_prediction import BLEND, JUMP
+from pacinian.scene.sampling.pose_prediction import BLEND_TIME, MAX_BLENDED_ERROR
 
 bounded = settings(max_examples=60)
 TICK = 0.001
@@ -48,7 +48,7 @@ def test_no_update_makes_a_hand_jump(steps: Any) -> None:
         for _ in range(ticks + 1):
             t += TICK
             now = palm(track, hand, t)
-            assert abs(now - x) <= (1.0 + JUMP / BLEND) * TICK
+            assert abs(now - x) <= (1.0 + MAX_BLENDED_ERROR / BLEND_TIME) * TICK
             x = now
         hand = moved(x + d, velocities=(v, 0.0, 0.0), time=t)
         assert palm(track, hand, t) == pytest.approx(x, abs=1e-12)
@@ -69,7 +69,9 @@ def test_a_late_hand_is_where_it_must_be_by_now() -> None:
 def test_a_hand_that_teleports_is_there_at_once() -> None:
     track = HandTrack()
     palm(track, moved(0.0), 0.0)
-    assert palm(track, moved(1.1 * JUMP), TICK) == pytest.approx(1.1 * JUMP)
+    assert palm(track, moved(1.1 * MAX_BLENDED_ERROR), TICK) == pytest.approx(
+        1.1 * MAX_BLENDED_ERROR
+    )
 
 
 @pytest.mark.parametrize("timed", [False, True])
@@ -163,7 +165,7 @@ def test_a_hand_given_as_a_mesh_does_not_jump_either() -> None:
     track = HandTrack()
     track.at(Hand(vertices=box, faces=faces), 0.0)
     hand = Hand(vertices=box + 0.01, faces=faces)
-    for t, share in ((TICK, 1.0), (TICK + BLEND / 2.0, 0.5), (TICK + BLEND, 0.0)):
+    for t, share in ((TICK, 1.0), (TICK + BLEND_TIME / 2.0, 0.5), (TICK + BLEND_TIME, 0.0)):
         now, _ = track.at(hand, t)
         assert now is not None
         assert now.vertices == pytest.approx(box + 0.01 * (1.0 - share))

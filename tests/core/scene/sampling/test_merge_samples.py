@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import pacinian as pc
+from pacinian.region_numbers import ISOLATED
 from pacinian.scene.modulation.technique import AM, STM
 from pacinian.scene.sampling.merge_samples import (
     MAX_MERGE_SAMPLES,
@@ -18,7 +19,7 @@ from pacinian.scene.sampling.merge_samples import (
     merge_samples,
 )
 from pacinian.scene.sampling.sample_counts import MERGED, SampleCounts
-from pacinian.scene.sampling.samples import ISOLATED, Samples, no_samples
+from pacinian.scene.sampling.samples import Samples, no_samples
 
 bounded = settings(max_examples=60)
 SPACING = 0.01  # [m]

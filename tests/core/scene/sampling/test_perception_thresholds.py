@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.scene.sampling.perception_thresholds import (
-    MARGIN,
+    FELT_MARGIN,
     MIN_THRESHOLD,
-    TABLE,
+    THRESHOLDS,
     lowest_threshold,
     threshold,
 )
@@ -31,7 +31,7 @@ def test_single_pulses_are_felt_at_ten_times_that_and_nothing_needs_more() -> No
 
 
 def test_the_rows_of_the_table_are_met() -> None:
-    for frequency, pressure in TABLE:
+    for frequency, pressure in THRESHOLDS:
         assert threshold(frequency) == pytest.approx(pressure)
 
 
@@ -44,7 +44,11 @@ def test_an_octave_changes_it_by_the_published_decibels(f: float, slope: float) 
 @given(f=frequencies, kind=st.sampled_from([pc.Sine, pc.Square]))
 def test_a_tenth_of_the_threshold_counts_as_felt(f: float, kind: Any) -> None:
     assert threshold(f) >= MIN_THRESHOLD * (1.0 - 1e-12)
-    assert MIN_THRESHOLD / MARGIN * 0.99 < lowest_threshold(kind(f)) < 1.01 * threshold(f) / MARGIN
+    assert (
+        MIN_THRESHOLD / FELT_MARGIN * 0.99
+        < lowest_threshold(kind(f))
+        < 1.01 * threshold(f) / FELT_MARGIN
+    )
 
 
 def test_a_bad_frequency_is_refused_by_name() -> None:
@@ -55,7 +59,7 @@ def test_a_bad_frequency_is_refused_by_name() -> None:
 def test_a_slow_vibration_needs_more_than_a_quick_one() -> None:
     assert (
         lowest_threshold(pc.Sine(20.0))
-        > 2.0 * MIN_THRESHOLD / MARGIN
+        > 2.0 * MIN_THRESHOLD / FELT_MARGIN
         > lowest_threshold(pc.Sine(200.0))
     )
 
@@ -65,4 +69,4 @@ def test_a_slow_vibration_needs_more_than_a_quick_one() -> None:
     [None, pc.Constant(), pc.Function(lambda t: t), pc.Sine(0.0), pc.Sine(1990.0), "buzzing"],
 )
 def test_all_others_count_where_the_skin_is_most_sensitive(envelope: Any) -> None:
-    assert lowest_threshold(envelope) == MIN_THRESHOLD / MARGIN
+    assert lowest_threshold(envelope) == MIN_THRESHOLD / FELT_MARGIN

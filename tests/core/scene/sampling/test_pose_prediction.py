@@ -13,8 +13,8 @@ from scipy.spatial.transform import Rotation
 import pacinian as pc
 from pacinian.scene.motion import MAX_EXTRAPOLATION, Motion
 from pacinian.scene.sampling.pose_prediction import (
-    BLEND,
-    JUMP,
+    BLEND_TIME,
+    MAX_BLENDED_ERROR,
     MAX_OBJECTS,
     PosePredictor,
 )
@@ -54,7 +54,7 @@ def test_no_update_makes_an_object_jump(updates: Any) -> None:
             t += TICK
             now = tracks.pose(item, t)
             # speed limit of the corners [m/s]
-            speed = 1.8 + JUMP / BLEND + 0.05 * (9.0 + 3.2 / BLEND)
+            speed = 1.8 + MAX_BLENDED_ERROR / BLEND_TIME + 0.05 * (9.0 + 3.2 / BLEND_TIME)
             moved = np.linalg.norm(now.points(CORNERS) - shown.points(CORNERS), axis=1).max()
             assert moved <= speed * TICK
             shown = now
@@ -62,7 +62,7 @@ def test_no_update_makes_an_object_jump(updates: Any) -> None:
         at, turn = np.add(shown.position, d), tuple(rotation.as_quat().tolist())
         item = ball(at.tolist(), Motion(velocity, spin, time=t + age), rotation=turn)
         now = tracks.pose(item, t)
-        if math.dist(item.motion.pose(item.pose, t).position, shown.position) < JUMP:
+        if math.dist(item.motion.pose(item.pose, t).position, shown.position) < MAX_BLENDED_ERROR:
             assert now.points(CORNERS) == pytest.approx(shown.points(CORNERS), abs=1e-9)
         shown = now  # differs after a teleport
 
@@ -76,7 +76,7 @@ def test_it_is_soon_where_its_motion_says(updates: Any) -> None:
         for i in range(ticks + 1):
             tracks.pose(item, t + i * TICK)
         t += ticks * TICK
-    later = t + BLEND
+    later = t + BLEND_TIME
     assert later >= tracks.blends_until - 1e-12
     assert tracks.pose(item, later).position == pytest.approx(
         item.motion.pose(item.pose, later).position, abs=1e-9
@@ -104,7 +104,7 @@ def test_it_is_turned_the_shorter_way_however_its_rotation_is_written(
     tracks = PosePredictor()
     tracks.pose(ball(rotation=one), 0.0)
     item, left = ball(rotation=other), []
-    for t in np.linspace(0.0, BLEND, 11):
+    for t in np.linspace(0.0, BLEND_TIME, 11):
         shown = Rotation.from_quat(tracks.pose(item, float(t)).rotation)
         left.append((now * shown.inv()).magnitude())
         # on the shortest way between the two rotations
@@ -117,7 +117,7 @@ def test_it_is_turned_the_shorter_way_however_its_rotation_is_written(
 def test_a_teleport_is_followed_at_once() -> None:
     tracks = PosePredictor()
     tracks.pose(ball(), 0.0)
-    far = ball((1.1 * JUMP, 0.0, 0.0))
+    far = ball((1.1 * MAX_BLENDED_ERROR, 0.0, 0.0))
     assert tracks.pose(far, TICK).position == far.pose.position
 
 

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.scene.sampling.ramps import JUMP, MAX_TICK, PressureRamps
+from pacinian.scene.sampling.ramps import MAX_RAMPED_MOVE, MAX_TICK, PressureRamps
 from pacinian.scene.sampling.samples import Samples, no_samples
 
 bounded = settings(max_examples=100)
@@ -145,8 +145,8 @@ def test_what_is_switched_off_fades_as_it_vibrated() -> None:
 
 def test_what_moves_a_little_keeps_its_pressure_and_what_jumps_does_not() -> None:
     for d, expected in (
-        (0.9 * JUMP, {("a", 0.9 * JUMP): 10.0}),
-        (1.1 * JUMP, {("a", 0.0): UP[4], ("a", 1.1 * JUMP): UP[1]}),
+        (0.9 * MAX_RAMPED_MOVE, {("a", 0.9 * MAX_RAMPED_MOVE): 10.0}),
+        (1.1 * MAX_RAMPED_MOVE, {("a", 0.0): UP[4], ("a", 1.1 * MAX_RAMPED_MOVE): UP[1]}),
     ):
         ramps = PressureRamps(RAMP)
         for i in range(7):

@@ -17,6 +17,7 @@ from pacinian.scene.motion import Motion
 from pacinian.scene.objects import Particles, Path
 from pacinian.scene.sampling.sample_cache import MAX_ENTRIES, SampleCache
 from pacinian.scene.sampling.sample_sources import SinglePoint, WholeObject
+from pacinian.scene.sampling.sampler import SamplingMode
 from pacinian.scene.sampling.spacing import REGION_SPACING
 from pacinian.scene.shapes.curves import Circle, Line
 
@@ -380,13 +381,13 @@ def test_one_object_in_free_air_may_have_twice_the_budget(
     other = point(0.1, 1.0)
     sampler = pc.Sampler()
     sampler.prepare(pc.autd(3, 3), pc.Air())
-    sampler.steers, sampler.bands = True, 2
+    sampler.mode = SamplingMode(steers=True, bands=2)
     samples = sampler.sample(pc.Scene((ball,)))
     assert 0.4 * count < len(samples) <= count
     assert sampler.frame_budget == frame
     for changed in ("other", "steers", "strict", "technique"):
         sampler.reset()
-        sampler.steers, sampler.strict = changed != "steers", changed == "strict"
+        sampler.mode = SamplingMode(bands=2, steers=changed != "steers", strict=changed == "strict")
         lm = pc.LM(100.0, 0.001) if changed == "technique" else ball.technique
         items = (replace(ball, technique=lm), *((other,) if changed == "other" else ()))
         try:

@@ -12,6 +12,7 @@ import pacinian as pc
 from pacinian.gallery import SCENES
 from pacinian.scene.sampling.array_resolution import ArrayResolution
 from pacinian.scene.sampling.sample_budget import FINE_ON_SKIN, ON_SKIN
+from pacinian.scene.sampling.sampler import SamplingMode
 from pacinian.scene.sampling.silent_samples import FINE_SURROUND, INNER, MAX_OF_SMALL, SURROUND
 from pacinian.testing import ManualClock
 from pacinian_lab.regions.skin import measure_felt
@@ -33,7 +34,7 @@ def sampled(
     """Return the samples of a scene. budget: most samples on skin. fine: whether solves may take long."""
     sampler = pc.Sampler(round(budget / (FINE_ON_SKIN.shares[-1] if fine else ON_SKIN.shares[0])))
     sampler.prepare(ARRAY, AIR)
-    sampler.surround, sampler.fine = surround, fine
+    sampler.mode = SamplingMode(surround=surround, fine=fine)
     return sampler.sample(scene, 0.0)
 
 

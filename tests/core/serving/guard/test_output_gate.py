@@ -300,8 +300,8 @@ def test_the_ceiling_is_what_the_renderer_rounds_to(gain: float, levels: Any, pa
     can = pc.Capability(256, levels)
     bench.gate.take(bench.backend, can)
     gains = np.full((1, N), gain * max(part, 0.5), np.complex64)
-    made = Quantiser(can, 1, N).frame(gains, gain, 1, 0.0)
-    top = Quantiser(can, 1, N).frame(gains * 10.0, gain, 1, 0.0)
+    made = Quantiser(can, 1, N).make_frame(gains, gain, 1, 0.0)
+    top = Quantiser(can, 1, N).make_frame(gains * 10.0, gain, 1, 0.0)
     head = FrameHead(1, 0.0, 1, 2, 1, N).pack()
     for frame in (made, top):
         data = head + frame.phase.tobytes() + frame.amplitude.tobytes()

@@ -154,7 +154,7 @@ def test_times_of_ticks_are_counted_by_their_size() -> None:
     renderer = ticked(pc.Scene((A,)), 0)
     times = [1e-6, 1.1e-5, 0.9e-3, 1.1e-3, 1.1e-3, 0.0999, 5.0]
     for seconds in times:
-        renderer.report.tick(seconds, late=False)
+        renderer.report.count_tick(seconds, late=False)
     counts = np.frombuffer(make_status(renderer, 0.0)["tick_counts"], "<u4")
     assert (len(counts), counts.sum()) == (64, len(times))
     wanted = np.clip(np.floor(16 * (np.log10(times) + 5)), 0, 63).astype(int)

@@ -183,7 +183,7 @@ def test_the_input_belongs_to_its_scene() -> None:
     assert scene.find_input(scene.silenced) == scene.find_input(pc.Scene()) == Input()
 
 
-def test_hushed_keeps_the_hands_and_is_always_the_same() -> None:
+def test_silenced_keeps_the_hands_and_is_always_the_same() -> None:
     scene = felt()
     scene.apply([put("a", BALL), hands(hand())])
     silenced = scene.silenced

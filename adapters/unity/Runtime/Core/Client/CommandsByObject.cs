@@ -7,8 +7,8 @@ namespace Pacinian
     /// <summary>The waiting commands about objects, by name. Not thread-safe: the outbox's lock protects it.</summary>
     internal sealed class CommandsByObject
     {
-        private const int Full = 900000; // [bytes] of the objects in one message
-        private const double Together = 0.001; // [s] between parts that are sent in one message, with one time
+        private const int MaxMessageObjectBytes = 900000; // [bytes] of the objects in one message
+        private const double MaxTimeDifference = 0.001; // [s] between parts that are sent in one message, with one time
 
         private static readonly Kind[] Kinds = { Kind.Remove, Kind.Put, Kind.Envelope, Kind.Move };
 
@@ -110,8 +110,8 @@ namespace Pacinian
 
         private static bool Fits(CommandBatch batch, Kind kind, double time, int size)
         {
-            return batch.Kind == Kind.None || (kind != Kind.Envelope && size <= Full
-                && Math.Abs(time - batch.Time) <= Together && batch.Names.Count < Protocol.MaxObjects);
+            return batch.Kind == Kind.None || (kind != Kind.Envelope && size <= MaxMessageObjectBytes
+                && Math.Abs(time - batch.Time) <= MaxTimeDifference && batch.Names.Count < Protocol.MaxObjects);
         }
 
         private void Tidy()

@@ -7,7 +7,7 @@ namespace Pacinian
     /// <summary>Requests. If the server refuses one, <see cref="Refused"/> is raised.</summary>
     public sealed partial class HapticClient
     {
-        private const double Change = 12.0; // [s] longest time to open a solver or backend
+        private const double ChangeTimeout = 12.0; // [s] longest time to open a solver or backend
 
         /// <summary>
         /// Arms the output: this client's scene is felt for as long as the client ticks. take: takes the output from
@@ -42,7 +42,7 @@ namespace Pacinian
             {
                 Solver = solver, Backend = backend, Technique = technique, Intensity = intensity,
             };
-            return Add(new PendingRequest("select", select, Change));
+            return Add(new PendingRequest("select", select, ChangeTimeout));
         }
 
         /// <summary>

@@ -9,7 +9,7 @@ namespace Pacinian
     public sealed partial class HapticClient
     {
         private const int Largest = Protocol.MaxCommandBytes - 1024; // [bytes] of an envelope; the rest is for other fields
-        private const double Farthest = 10.0, Fastest = 100.0; // [m] along each axis; [m/s] or [rad/s]
+        private const double MaxCoordinate = 10.0, MaxSpeed = 100.0; // [m] along each axis; [m/s] or [rad/s]
 
         private readonly Reader _checker = new Reader();
 
@@ -141,13 +141,13 @@ namespace Pacinian
 
         private static double Clamp(double place)
         {
-            return Math.Max(-Farthest, Math.Min(place, Farthest));
+            return Math.Max(-MaxCoordinate, Math.Min(place, MaxCoordinate));
         }
 
         private static Vec3 Shorten(Vec3 speed)
         {
             double length = speed.Length;
-            return length > Fastest ? (Fastest * (1.0 - 1e-6) / length) * speed : speed; // also in single precision
+            return length > MaxSpeed ? (MaxSpeed * (1.0 - 1e-6) / length) * speed : speed; // also in single precision
         }
 
         private bool Write(Kind kind, string name, Writer part, Movement movement)

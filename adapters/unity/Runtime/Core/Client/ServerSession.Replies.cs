@@ -6,7 +6,7 @@ namespace Pacinian
     /// <summary>Receives the server's messages.</summary>
     internal sealed partial class ServerSession
     {
-        private const int Most = 1000; // messages that are read in one step
+        private const int MaxMessagesAtOnce = 1000; // messages that are read in one step
 
         private double _greetedAt;
         private bool _unreadable;
@@ -15,7 +15,7 @@ namespace Pacinian
         private bool ReceiveMessages(Channel channel, double now)
         {
             int heard = 0;
-            for (; heard < Most && Over.Length == 0; heard++)
+            for (; heard < MaxMessagesAtOnce && Over.Length == 0; heard++)
             {
                 int count = _transport.Receive(channel, _buffers.Data);
                 if (count < 0)
@@ -38,7 +38,7 @@ namespace Pacinian
         private void ReceiveState()
         {
             int newest = -1;
-            for (int i = 0; i < Most; i++)
+            for (int i = 0; i < MaxMessagesAtOnce; i++)
             {
                 int count = _transport.Receive(Channel.State, _buffers.Spare);
                 if (count < 0)

@@ -9,7 +9,7 @@ namespace Pacinian
     /// </summary>
     internal sealed class Worker
     {
-        private const double Farewell = 0.2; // [s] that a goodbye may take
+        private const double MaxFarewell = 0.2; // [s] that a goodbye may take
 
         private readonly SharedState _shared;
         private volatile ITransport _transport;
@@ -82,7 +82,7 @@ namespace Pacinian
                 sessions.Step(now, _shared.Heartbeat.LastTick);
                 transport.Wait(sessions.MaxWait(now));
             }
-            double due = clock() + Farewell;
+            double due = clock() + MaxFarewell;
             if (sessions.SayGoodbye(clock()))
             {
                 while (!sessions.GoodbyeAnswered && clock() < due)

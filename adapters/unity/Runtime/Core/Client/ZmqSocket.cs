@@ -7,7 +7,7 @@ namespace Pacinian
     /// <summary>A socket of libzmq that never blocks. Belongs to one thread. Close it before its context.</summary>
     internal sealed class ZmqSocket
     {
-        private const int Most = 1000; // messages that wait to be read
+        private const int MaxWaitingMessages = 1000; // messages that wait to be read
         private const int Waiting = 16; // messages that wait to be sent
 
         private readonly byte[] _event = new byte[6];
@@ -39,7 +39,7 @@ namespace Pacinian
         public bool Secure(ConnectionFile file)
         {
             Set(LibZmq.SendRoom, Waiting);
-            Set(LibZmq.ReceiveRoom, Most);
+            Set(LibZmq.ReceiveRoom, MaxWaitingMessages);
             Set(LibZmq.HandshakeTimeout, 2000); // [ms], like all below
             Set(LibZmq.ConnectTimeout, 2000);
             long longest = Protocol.MaxReplyBytes;

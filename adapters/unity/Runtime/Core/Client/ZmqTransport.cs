@@ -6,7 +6,7 @@ namespace Pacinian
     /// <summary>Uses libzmq with CURVE keys, for a server on another machine.</summary>
     public sealed class ZmqTransport : ITransport
     {
-        private const int Longest = 50; // [ms] of a wait: a thread in native code cannot be ended
+        private const int MaxWait = 50; // [ms] of a wait: a thread in native code cannot be ended
         private static int _counted;
 
         private readonly object _waking = new object();
@@ -100,7 +100,7 @@ namespace Pacinian
         {
             Listen();
             int milliseconds = (int)Math.Ceiling(1e3 * Math.Max(0.0, seconds));
-            if (!_poll.Wait(Math.Min(milliseconds, Longest)))
+            if (!_poll.Wait(Math.Min(milliseconds, MaxWait)))
             {
                 Thread.Sleep(1);
             }

@@ -199,7 +199,7 @@ namespace Pacinian.Wire
         /// <summary>Relative error of the sound pressures at the samples, as emitted.</summary>
         public double Error;
 
-        /// <summary>Quality of each of `objects` over all touched skin or, in free air, between its samples, (objects, 4) little-endian float32: force over target force; rms error over rms target; share of the region with less than half of its target; highest radiation pressure 3 to 30 mm beside the region over the mean target. Computed from the gains as emitted at the last evaluations; NaN for an object without a region; since protocol 1.1.</summary>
+        /// <summary>Quality of each of `objects` over all touched skin or, in free air, between its samples, (objects, 4) little-endian float32: force over target force; rms error over rms target; share of the region with less than half of its target; highest radiation pressure beside the region (3 to 30 mm on skin, 3 to 5 mm in free air) over the mean target. Computed from the gains as emitted at the last evaluations; NaN for an object without a region; since protocol 1.1.</summary>
         public Bulk Felt;
 
         /// <summary>Status of the last tick. 0 to 200 characters.</summary>

@@ -12,7 +12,7 @@ namespace Pacinian.Wire
         internal const int Failed = -2;
 
         private const string NoValue = "is cut short, or has a byte that MessagePack never uses";
-        private const int Longest = 200; // characters of a path in a message
+        private const int MaxPathLength = 200; // characters of a path in a message
         private static readonly byte[][] Type = Utf8.Of("type");
 
         /// <summary>Reads the next key. Returns its index, Other or Failed. likely: the index to compare first.</summary>
@@ -119,7 +119,7 @@ namespace Pacinian.Wire
             if (!_whole)
             {
                 string path = "$" + part + Path.Substring(1);
-                Path = path.Length > Longest ? path.Substring(0, Longest) : path;
+                Path = path.Length > MaxPathLength ? path.Substring(0, MaxPathLength) : path;
             }
             return false;
         }

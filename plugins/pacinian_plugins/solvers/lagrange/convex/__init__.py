@@ -8,7 +8,6 @@ dual.py             the dual problem: its value, gains and residuals for multipl
 dual_ascent.py      Newton ascent until the duality gap is closed, with less smoothing from step to step
 newton_step.py      one Newton step, line search, power limit
 starting_points.py  regularised pseudo-inverses to start from
-gram_scale.py       mean square of a matrix, which scales mu
 kernels.hpp         products with A, discs: called by dual.py, dual_ascent.py, newton_step.py, starting_points.py
 """
 

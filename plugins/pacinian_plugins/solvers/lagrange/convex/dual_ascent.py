@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from pacinian.solving.propagator import mean_square
 from pacinian_plugins.native import lagrange as kernels
-from pacinian_plugins.solvers.lagrange.convex import gram_scale
 from pacinian_plugins.solvers.lagrange.convex.answer import Answer
 from pacinian_plugins.solvers.lagrange.newton_time import has_time
 
@@ -82,7 +82,7 @@ def ascend_dual(
     newton: Newton, dual: Dual, state: State, budget: pc.Budget, tolerance: float, steps: int
 ) -> Answer:
     """Ascend from `state` to a relative gap of `tolerance`, in at most `steps` steps."""
-    c, scale = dual.along, gram_scale.mean_square(newton.gram)
+    c, scale = dual.along, mean_square(newton.gram)
     work = dual.A.shape[0] * dual.A.size
     best: Trial | None = None
     bound, smooth, idle = -math.inf, Smoothing(), 0

@@ -10,7 +10,7 @@ import numpy as np
 import pacinian as pc
 from pacinian.errors import ArgumentError
 from pacinian.solving.propagator import gram_matrix as product
-from pacinian_plugins.solvers.lagrange.convex import gram_scale
+from pacinian.solving.propagator import mean_square
 from pacinian_plugins.solvers.lagrange.convex.constraints import Constraints
 from pacinian_plugins.solvers.lagrange.convex.dual import Dual
 from pacinian_plugins.solvers.lagrange.convex.dual_ascent import ascend_dual
@@ -50,12 +50,12 @@ def maximise_scale(
             "must be limited unless `power` is: without a limit there is no strongest solution",
         )
     gram = product(A) if gram is None else gram
-    size = float(np.linalg.norm(c)) / (gram_scale.mean_square(gram) ** 0.5 or 1.0)
+    size = float(np.linalg.norm(c)) / (mean_square(gram) ** 0.5 or 1.0)
     along = np.concatenate([c / size, np.zeros(len(A) - len(c))]).astype(np.complex128)
     rows = Constraints.of(along[: len(c)], np.ones(len(c), np.bool_), quiet)
     rows = replace(rows, p=np.zeros_like(along))
     dual = replace(Dual.of(A, rows, MIN_SMOOTHING, gain, power), along=along)
-    newton = Newton.of(A, gram, gram_scale.mean_square(gram))
+    newton = Newton.of(A, gram, mean_square(gram))
     budget = budget or pc.Budget()
     state = begin_strongest(dual, gram, start, budget)
     answer = ascend_dual(newton, dual, state, budget, tolerance, steps)

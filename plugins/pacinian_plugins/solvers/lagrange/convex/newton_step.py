@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, NamedTuple, TypeVar
 import numpy as np
 
 from pacinian.solving.linalg import blas, lapack
+from pacinian.solving.propagator import mean_square
 from pacinian_plugins.native import lagrange as kernels
-from pacinian_plugins.solvers.lagrange.convex import gram_scale
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -44,14 +44,14 @@ class Slopes(NamedTuple):
 
     radial: Floats
     tangential: Floats
-    held: int
+    at_limit: int
 
     @classmethod
     def of(cls, x: Complexes, g: Complexes, weight: Floats, extra: float, limit: Floats) -> Slopes:
         """Compute the slopes at x. g: h as the last step expected it."""
         radial, tangential = np.empty(len(x)), np.empty(len(x))
-        held = kernels.slopes(x, g, weight, extra, limit, radial, tangential)
-        return cls(radial, tangential, held)
+        at_limit = kernels.slopes(x, g, weight, extra, limit, radial, tangential)
+        return cls(radial, tangential, at_limit)
 
 
 class State(NamedTuple):
@@ -77,7 +77,7 @@ class Newton:
     @classmethod
     def of(cls, A: Complexes, gram: Complexes, mu: float) -> Newton:
         """Choose single precision if mu is so large that rounding does not matter, else double."""
-        fine = A.dtype == np.complex128 or mu < MIN_SINGLE_MU * gram_scale.mean_square(gram)
+        fine = A.dtype == np.complex128 or mu < MIN_SINGLE_MU * mean_square(gram)
         return cls(gram, np.empty(2 * A.size, np.float64 if fine else np.float32))
 
     @property
@@ -120,9 +120,9 @@ class Newton:
         free = 1.0 / (dual.mu + point.nu)
         S = np.zeros((2 * R, 2 * R), order="F")
         sign, radial, tangential = 1.0, slopes.radial, slopes.tangential
-        if 2 * slopes.held <= min(N + np.count_nonzero(radial), SUBTRACTED_SHARE * N):
+        if 2 * slopes.at_limit <= min(N + np.count_nonzero(radial), SUBTRACTED_SHARE * N):
             kernels.real(self.gram, free, S.T)
-            if not slopes.held:
+            if not slopes.at_limit:
                 return S
             sign, radial, tangential = -1.0, free - radial, free - tangential
         syrk = blas.dsyrk if self.fine else blas.ssyrk

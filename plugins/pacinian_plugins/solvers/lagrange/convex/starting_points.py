@@ -8,8 +8,8 @@ import numpy as np
 
 import pacinian as pc
 from pacinian.solving.linalg import lapack
+from pacinian.solving.propagator import mean_square
 from pacinian_plugins.native import lagrange as kernels
-from pacinian_plugins.solvers.lagrange.convex import gram_scale
 from pacinian_plugins.solvers.lagrange.convex.newton_step import State, factor
 from pacinian_plugins.solvers.lagrange.newton_time import has_time
 
@@ -59,7 +59,7 @@ def begin_strongest(
 ) -> State:
     """Return the best start when the strength is maximised: Re(y^H c) = 1."""
     assert dual.along is not None
-    none, scale = np.zeros(len(gram), np.bool_), gram_scale.mean_square(gram) or 1.0
+    none, scale = np.zeros(len(gram), np.bool_), mean_square(gram) or 1.0
     points: list[Point] = []
     if y is not None and (whole := float(np.vdot(dual.along, y).real)) > 0.0:
         points.append(dual.at(y / whole))
@@ -77,7 +77,7 @@ def solve_unlimited(dual: Dual, gram: Complexes, mu: float, near: Flags) -> Comp
     """Return the multipliers, (R,), of the problem without limits, without quiet rows other than the `near` ones."""
     rows = dual.rows
     own = np.where(rows.soft | near, 1.0, np.where(rows.quiet, 1.0 / rows.weight, 0.0))
-    ridge = RIDGE * (gram_scale.mean_square(gram) + mu)
+    ridge = RIDGE * (mean_square(gram) + mu)
     i = np.arange(len(gram))
     S = gram.copy()
     S[i, i] += mu * own + ridge

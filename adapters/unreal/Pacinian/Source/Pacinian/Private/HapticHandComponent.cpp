@@ -17,8 +17,8 @@ namespace wire = pacinian::wire;
 namespace {
 
 constexpr int32 Count = 26;        // joints
-constexpr double Longest = 0.1;    // [s] longest time between two frames of one movement
-constexpr double Fastest = 10.0;  // [m/s]
+constexpr double MaxStepTime = 0.1;    // [s] longest time between two frames of one movement
+constexpr double MaxSpeed = 10.0;  // [m/s]
 
 }  // namespace
 
@@ -135,11 +135,11 @@ void UHapticHandComponent::Predict(FHapticHand& Hand) {
   const double Now = GetWorld()->GetRealTimeSeconds(), Step = Now - Time;
   const FVector Moved = (1.0 / Count) * Sum - Middle;
   Middle = (1.0 / Count) * Sum;
-  const bool bFollowed = Time >= 0.0 && Step > 0.0 && Step < Longest;
+  const bool bFollowed = Time >= 0.0 && Step > 0.0 && Step < MaxStepTime;
   Time = Now;
   if (!bPredictMotion || !bFollowed) return;
   const FVector Velocity = (1.0 / Step) * Moved;
-  if (!(Velocity.Size() < Fastest)) return;
+  if (!(Velocity.Size() < MaxSpeed)) return;
   for (const double Value : {Velocity.X, Velocity.Y, Velocity.Z})
     wire::append(Hand.Frame.velocities, static_cast<float>(Value));
 }

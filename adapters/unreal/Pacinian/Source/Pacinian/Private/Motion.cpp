@@ -8,10 +8,10 @@ namespace Haptic {
 
 namespace {
 
-constexpr double Fastest = 10.0;  // [m/s], and times 5 [rad/s]; faster is a jump
-constexpr double Still = 1e-6;    // [m]
-constexpr double Unturned = 1e-5;  // [rad]
-constexpr double Farthest = 10.0;  // [m]
+constexpr double MaxSpeed = 10.0;  // [m/s], and times 5 [rad/s]; faster is a jump
+constexpr double MinMove = 1e-6;    // [m]
+constexpr double MinTurn = 1e-5;  // [rad]
+constexpr double MaxCoordinate = 10.0;  // [m]
 
 /// Returns the rotation from one to the other, as a vector along its axis [rad].
 pacinian::Vec3 Turn(const pacinian::Quat& From, const pacinian::Quat& To) {
@@ -28,22 +28,22 @@ double Length(const pacinian::Vec3& Given) { return std::sqrt(pacinian::dot(Give
 }  // namespace
 
 bool Moved(const pacinian::Rigid& From, const pacinian::Rigid& To) {
-  return Length(To.position - From.position) > Still || Length(Turn(From.rotation, To.rotation)) > Unturned;
+  return Length(To.position - From.position) > MinMove || Length(Turn(From.rotation, To.rotation)) > MinTurn;
 }
 
 wire::Motion MotionOf(const pacinian::Rigid& From, const pacinian::Rigid& To, double Elapsed) {
   if (!(Elapsed > 0.0)) return {};
   const pacinian::Vec3 Velocity = (1.0 / Elapsed) * (To.position - From.position);
   const pacinian::Vec3 Angular = (1.0 / Elapsed) * Turn(From.rotation, To.rotation);
-  if (!(Length(Velocity) < Fastest) || !(Length(Angular) < 5.0 * Fastest)) return {};
+  if (!(Length(Velocity) < MaxSpeed) || !(Length(Angular) < 5.0 * MaxSpeed)) return {};
   return {{Velocity.x, Velocity.y, Velocity.z}, {Angular.x, Angular.y, Angular.z}};
 }
 
 wire::Pose ToWire(const pacinian::Rigid& Given) {
   const pacinian::Vec3& At = Given.position;
   const pacinian::Quat& Turned = Given.rotation;
-  return {{FMath::Clamp(At.x, -Farthest, Farthest), FMath::Clamp(At.y, -Farthest, Farthest),
-           FMath::Clamp(At.z, -Farthest, Farthest)},
+  return {{FMath::Clamp(At.x, -MaxCoordinate, MaxCoordinate), FMath::Clamp(At.y, -MaxCoordinate, MaxCoordinate),
+           FMath::Clamp(At.z, -MaxCoordinate, MaxCoordinate)},
           {Turned.x, Turned.y, Turned.z, Turned.w}};
 }
 

@@ -107,9 +107,9 @@ struct State {
   double error = 0.0;
   /// quality of each of `objects` over all touched skin or, in free air, between its samples,
   /// (objects, 4) little-endian float32: force over target force; rms error over rms target; share
-  /// of the region with less than half of its target; highest radiation pressure 3 to 30 mm beside
-  /// the region over the mean target. Computed from the gains as emitted at the last evaluations;
-  /// NaN for an object without a region; since protocol 1.1
+  /// of the region with less than half of its target; highest radiation pressure beside the region
+  /// (3 to 30 mm on skin, 3 to 5 mm in free air) over the mean target. Computed from the gains as
+  /// emitted at the last evaluations; NaN for an object without a region; since protocol 1.1
   Bytes felt;
   /// status of the last tick; 0 to 200 characters
   std::string status;

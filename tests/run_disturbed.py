@@ -1,7 +1,7 @@
 """Run a command on a machine that is disturbed, to find tests that know how fast the machine is.
 
-    python tests/slow_machine.py --busy 4 -- python -m pytest       # beside four processes that keep the cores busy
-    python tests/slow_machine.py --stop 1.0 -- python -m pytest     # stopped for 1 s at random moments
+    python tests/run_disturbed.py --busy 4 -- python -m pytest       # beside four processes that keep the cores busy
+    python tests/run_disturbed.py --stop 1.0 -- python -m pytest     # stopped for 1 s at random moments
 
 `--stop` stops either the command with all processes that it started, or pytest alone, so that what the tests
 started goes on without them. The exit code is the command's.

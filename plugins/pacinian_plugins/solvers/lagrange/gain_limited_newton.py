@@ -1,4 +1,4 @@
-"""Meets the targets under the gain limit alone. Phases, multipliers and gains are found together.
+"""Newton steps under the gain limit alone. Phases, multipliers and gains are found together.
 
 People feel amplitude, not phase. So p = t exp(j phi) with phi free, and at the optimum of the dual (see
 `convex.dual`), y = r exp(j phi) with r real. The stages run in this order until the error is small enough:
@@ -23,13 +23,14 @@ import numpy as np
 
 from pacinian.native.solving import apply_planar
 from pacinian.solving.linalg import lapack
+from pacinian.solving.propagator import mean_square
 from pacinian_plugins.native.lagrange import (
     certify,
-    deliver,
     equalise,
     evaluate,
     solve_dual,
     solve_primal,
+    write_gains,
 )
 from pacinian_plugins.solvers.lagrange.newton_time import has_time
 from pacinian_plugins.solvers.lagrange.reference import Refined, refine_certified, solve_newton
@@ -44,36 +45,36 @@ if TYPE_CHECKING:
 STOP_RESIDUAL = 2e-6  # ||F|| / ||p|| to stop at: single precision
 MAX_MET_ERROR = 1e-4  # relative error that always suffices
 CONVERGED_ERROR = 1e-3  # relative error that suffices once the steps have converged
-MAX_STEPS_2 = 16  # maximum number in stage 2
-MAX_STEPS_3 = 24  # maximum number of steps in stage 3
-MAX_STEPS_4 = 80  # maximum number of steps in stage 4
+MAX_DUAL_STEPS = 16  # Newton steps on the multipliers, in stage 2
+MAX_EQUALISE_STEPS = 24  # weighted Gerchberg-Saxton steps, in stage 3
+MAX_PRIMAL_STEPS = 80  # Newton steps on the gains, in stage 4
 ROUGH_SAVING = 3e-4  # least relative saving of a step in stage 4, when starts are compared
 FINAL_SAVING = 1e-5  # the same, for the final steps
 FEW_SAMPLES = 16  # most samples for which other starts are tried
 RATED_STARTS = 3  # number of starts that are rated for each one that is continued
-GOLDEN = 0.6180339887  # phase increment of the starts [turns]
+GOLDEN_FRACTION = 0.6180339887  # phase increment of the starts [turns]
 # relative error from which continuing with the current phases is not worthwhile
 MAX_PHASE_ERROR = 0.2
-SOFT = 1e-1, 3e-2, 1e-2, 3e-3, 1e-3  # regularisations relative to trace(G) / M
-STEPS_EACH = 3  # Newton steps with each
+SOFTENED_MU_FACTORS = 1e-1, 3e-2, 1e-2, 3e-3, 1e-3  # increased mu, relative to trace(G) / M
+MAX_SOFTENED_STEPS = 3  # Newton steps with each increased mu
 MAX_STAGE_3_4_WORK = 200_000_000  # M M N up to which stages 3 and 4 are tried: some seconds
 # M M N up to which the nearest pressures are sought from two starting points.
 MAX_TWO_START_WORK = 1_000_000
 MAX_UNCHECKED_WORK = 5_000_000  # M M N of the steps between two checks of the clock
-MAX_EQUALISE_STEPS = 80  # in the search for the strongest solution
+MAX_STRONGEST_STEPS = 80  # weighted steps in the search for the strongest solution
 SHARE_RESOLUTION = 0.004  # of the share of full drive, in that search
 MIN_SHARE = 0.5  # smallest share of full drive that the search tries
 MAX_PROPORTION_ERROR = 5e-4  # relative error up to which proportions count as kept
 MIN_MET_SCALE = 0.999  # multiple of the targets at full drive below which they cannot be met
 
 
-class PhaseFreeResult(NamedTuple):
+class NewtonResult(NamedTuple):
     """Outcome of the steps. The gains are in `workspace.h`, in units of the limit."""
 
     error: float  # ||targets - made|| / ||p||, where free phases are those made
     steps: int
     late: bool
-    held: int  # transducers at their limit
+    at_limit: int  # number of transducers at their limit
     bound: float  # [Pa^2] for unit limits
     objective: float
     share: float = 0.0  # share of full drive that the strongest solution uses
@@ -92,7 +93,7 @@ class Candidate(NamedTuple):
 
 
 @dataclass(eq=False)
-class PhaseFreeSolve:
+class GainLimitedNewton:
     """One problem and its progress. workspace: has the targets, and the multipliers to start from.
 
     starts: additional starting phases to try if the given ones do not suffice. late: whether the time ran out before
@@ -110,7 +111,7 @@ class PhaseFreeSolve:
     steps: int = 0
     late: bool = False
 
-    def run(self) -> PhaseFreeResult:
+    def run(self) -> NewtonResult:
         """Write the gains, starting from the multipliers in the workspace."""
         error, converged = self._newton()
         if error > (CONVERGED_ERROR if converged else MAX_MET_ERROR) and not self.budget.spent:
@@ -127,14 +128,14 @@ class PhaseFreeSolve:
     def _certify_and_write(self) -> None:
         """Write the current gains, and the bound that the current multipliers prove."""
         certify(self.mu, self.workspace)
-        deliver(self.workspace.h, self.unit, self.out)
+        write_gains(self.workspace.h, self.unit, self.out)
 
-    def _make_result(self, error: float) -> PhaseFreeResult:
+    def _make_result(self, error: float) -> NewtonResult:
         """Return the current result with its bound and objective."""
         w = self.workspace
-        return PhaseFreeResult(error, self.steps, self.late, w.held, w.bound, w.objective)
+        return NewtonResult(error, self.steps, self.late, w.held, w.bound, w.objective)
 
-    def strongest(self) -> PhaseFreeResult:
+    def solve_strongest(self) -> NewtonResult:
         """Write gains for the largest multiple of the targets, whose phases are all free.
 
         Full drive gives the best phases and an estimate of the multiple. A bisection over shares of this estimate,
@@ -143,7 +144,7 @@ class PhaseFreeSolve:
         w, p = self.workspace, self.workspace.p.copy()
         top = self._find_strongest_phases()
         start, weak, strong, error = w.y.copy(), 0.0, 1.01, 1.0
-        best: PhaseFreeResult | None = None
+        best: NewtonResult | None = None
         y, h = start, w.h
         while top > 0.0 and strong - weak > SHARE_RESOLUTION and not (best and self.budget.spent):
             share = (weak + strong) / 2.0 if weak else strong - (1.01 - strong + SHARE_RESOLUTION)
@@ -161,7 +162,7 @@ class PhaseFreeSolve:
             self._certify_and_write()
             return self._make_result(error)
         w.h[:], w.y[:] = h, y
-        deliver(w.h, self.unit, self.out)
+        write_gains(w.h, self.unit, self.out)
         return best._replace(steps=self.steps, late=self.late)
 
     def _find_strongest_phases(self) -> float:
@@ -170,7 +171,7 @@ class PhaseFreeSolve:
         Returns the multiple of the targets that is nearest to the pressures made.
         """
         w, size = self.workspace, np.abs(self.workspace.p)
-        top = self._equalise(MAX_EQUALISE_STEPS)
+        top = self._equalise(MAX_STRONGEST_STEPS)
         y, most = w.y.copy(), float((np.hypot(*w.made) / size).min())
         rated = self._rate_starts(lambda made: float((made / size).min()), self._other_starts)
         found, k = max(rated, default=(0.0, 0))
@@ -178,9 +179,9 @@ class PhaseFreeSolve:
             w.y[:] = y
             return top
         w.y[:] = self._phases(k)
-        return self._equalise(MAX_EQUALISE_STEPS)
+        return self._equalise(MAX_STRONGEST_STEPS)
 
-    def _newton(self, steps: int = MAX_STEPS_2, mu: float = 0.0) -> tuple[float, bool]:
+    def _newton(self, steps: int = MAX_DUAL_STEPS, mu: float = 0.0) -> tuple[float, bool]:
         """Take Newton steps, in small batches if there is a deadline; return the error and whether they converged."""
         w, endless = self.workspace, self.budget.endless
         # without time for a step, only evaluate the current multipliers
@@ -264,7 +265,7 @@ class PhaseFreeSolve:
             if self.budget.spent or best.error <= MAX_MET_ERROR:
                 break
             w.y[:] = self._phases(k)
-            self._equalise(MAX_STEPS_3)
+            self._equalise(MAX_EQUALISE_STEPS)
             found = self._approach(ROUGH_SAVING)
             if found < best.error:
                 best = Candidate.of(found, w)
@@ -280,14 +281,14 @@ class PhaseFreeSolve:
             if self.budget.spent:
                 break
             self.workspace.y[:] = self._phases(k)
-            self._step_equal(MAX_STEPS_3)
+            self._step_equal(MAX_EQUALISE_STEPS)
             rated.append((worth(np.hypot(*self.workspace.made)), k))
         return rated
 
     def _phases(self, k: int) -> Complexes:
         """Return the targets, (M,), with the k-th set of phases. The sets differ widely; 0 is that of `weighted-gs`."""
         m = np.arange(len(self.B))
-        turns = GOLDEN * k * m * (m + k) if k else 0.5 * m * m / len(m)
+        turns = GOLDEN_FRACTION * k * m * (m + k) if k else 0.5 * m * m / len(m)
         return np.asarray(np.abs(self.workspace.p) * np.exp(2j * np.pi * turns), np.complex128)
 
     def _solve_softened(self, best: Candidate) -> Candidate:
@@ -298,11 +299,11 @@ class PhaseFreeSolve:
         if not self._affords():
             return best
         w, G, last = self.workspace, self.G, 1.0
-        power = float(np.trace(G).real) / len(G)
+        power = mean_square(G)
         diagonal = np.arange(len(G))
-        for softness in SOFT:
+        for softness in SOFTENED_MU_FACTORS:
             soft = softness * power
-            if softness == SOFT[0]:
+            if softness == SOFTENED_MU_FACTORS[0]:
                 shifted = np.array(G)
                 shifted[diagonal, diagonal] += soft
                 _, y, singular = lapack.zposv(shifted, w.p)
@@ -312,16 +313,16 @@ class PhaseFreeSolve:
             else:
                 w.y[:] *= soft / last
             last = soft
-            error, _ = self._newton(STEPS_EACH, soft)
+            error, _ = self._newton(MAX_SOFTENED_STEPS, soft)
             if error < best.error:
                 best = Candidate.of(error, w)
-            elif softness != SOFT[0] or self.budget.spent:
+            elif softness != SOFTENED_MU_FACTORS[0] or self.budget.spent:
                 break
         return best
 
     def _full_drive(self) -> float:
         """Restart the Newton steps from the phases of full drive; return the error."""
-        if self._equalise(MAX_STEPS_3) < MIN_MET_SCALE:
+        if self._equalise(MAX_EQUALISE_STEPS) < MIN_MET_SCALE:
             self.workspace.y[:] *= 10.0  # hold more transducers at the limit
         return self._newton()[0]
 
@@ -355,9 +356,11 @@ class PhaseFreeSolve:
         w = self.workspace
         w.restart_primal()
         apply_planar(self.B, w.h, w.made, w.tile)
-        most = MAX_STEPS_4 if self._affords() else 0
+        most = MAX_PRIMAL_STEPS if self._affords() else 0
         chunk = (
-            MAX_STEPS_4 if self.budget.endless else max(1, MAX_UNCHECKED_WORK // (8 * self._work))
+            MAX_PRIMAL_STEPS
+            if self.budget.endless
+            else max(1, MAX_UNCHECKED_WORK // (8 * self._work))
         )
         for _ in range(0, max(1, most), chunk):
             steps = solve_primal(self.B, self.mu, min(chunk, most), STOP_RESIDUAL, finished, w)
@@ -384,7 +387,7 @@ class PhaseFreeSolve:
         w = self.workspace
         h = w.h[0].astype(np.complex128) + 1j * w.h[1]
         rough = refine_certified(B, w.p, w.free, self.mu, w.y, h / np.maximum(np.abs(h), 1.0))
-        fine = solve_newton(B, self.G, w.p, w.free, self.mu, w.y, MAX_STEPS_2, self.budget)
+        fine = solve_newton(B, self.G, w.p, w.free, self.mu, w.y, MAX_DUAL_STEPS, self.budget)
         best = fine if fine.objective < rough.objective else rough
         w.y[:] = best.y
         return best
