@@ -25,14 +25,17 @@ namespace Pacinian.Haptics.Editing
         }
 
         /// <summary>
-        /// Returns the chosen program, or one in PATH, beside this project, or where installers put it; "" if there is
-        /// none.
+        /// Returns the chosen program, or that which `pacinian unity` noted, or one in PATH, beside this project, or where
+        /// installers put it; "" if there is none.
         /// </summary>
         public static string Find()
         {
-            if (File.Exists(Chosen))
+            foreach (string known in new[] { Chosen, Noted() })
             {
-                return Chosen;
+                if (File.Exists(known))
+                {
+                    return known;
+                }
             }
             string name = Windows ? "pacinian.exe" : "pacinian";
             foreach (string folder in Folders())
@@ -44,6 +47,29 @@ namespace Pacinian.Haptics.Editing
                 }
             }
             return "";
+        }
+
+        private static string Project
+        {
+            get { return Path.GetDirectoryName(Path.GetFullPath(Application.dataPath)) ?? ""; }
+        }
+
+        /// <summary>The file in which `pacinian unity` notes the program of its installation.</summary>
+        internal static string Note
+        {
+            get { return Path.Combine(Path.Combine(Project, "UserSettings"), "PacinianProgram.txt"); }
+        }
+
+        private static string Noted()
+        {
+            try
+            {
+                return File.Exists(Note) ? File.ReadAllText(Note).Trim() : "";
+            }
+            catch (Exception error) when (error is IOException || error is UnauthorizedAccessException)
+            {
+                return "";
+            }
         }
 
         internal static bool Windows
@@ -62,9 +88,8 @@ namespace Pacinian.Haptics.Editing
                 yield return folder;
             }
             string inside = Windows ? "Scripts" : "bin";
-            string project = Path.GetDirectoryName(Path.GetFullPath(Application.dataPath)) ?? "";
             string home = Environment.GetFolderPath(Environment.SpecialFolder.UserProfile);
-            yield return Path.Combine(Path.Combine(project, ".venv"), inside);
+            yield return Path.Combine(Path.Combine(Project, ".venv"), inside);
             yield return Path.Combine(Path.Combine(home, ".venv"), inside);
             yield return Path.Combine(Path.Combine(home, ".local"), "bin");
             yield return "/usr/local/bin";

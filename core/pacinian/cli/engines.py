@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import json
 import re
+import sys
+import sysconfig
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +18,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 UNITY = "com.pacinian.haptics"
+# In a project of Unity, where its Haptic Server looks for the program: Unity's folder for what concerns one user.
+UNITY_PROGRAM = Path("UserSettings") / "PacinianProgram.txt"
 MIN_UNITY = (2021, 3)
 MIN_UNREAL = (5, 5)
 MAX_DEPTH = 2  # levels of folders below the given one in which a project is looked for
@@ -41,6 +46,7 @@ def unity(path: Path, replace: bool) -> None:
     _check_unity(project)
     target = project / "Packages" / UNITY
     _install(Package(find_package("unity"), "package.json", "version"), target, replace)
+    _note_program(project / UNITY_PROGRAM)
     _warn_of_manifest(project)
     click.echo(
         "\nNext:\n"
@@ -157,6 +163,19 @@ def _check_unreal(project: Path) -> None:
         raise PackageError(
             f"{file} is a project of Unreal Engine {engine}: the plugin needs {least} or newer"
         )
+
+
+def _note_program(file: Path) -> None:
+    """Write the path of the program `pacinian` of this installation to a file, so that an editor can start a server.
+
+    If that is not possible, the user chooses the program in the editor.
+    """
+    name = "pacinian.exe" if sys.platform == "win32" else "pacinian"
+    program = Path(sysconfig.get_path("scripts")) / name
+    if program.is_file():
+        with suppress(OSError):
+            file.parent.mkdir(exist_ok=True)
+            file.write_text(f"{program}\n", encoding="utf-8")
 
 
 def _warn_of_manifest(project: Path) -> None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import re
+import sys
+import sysconfig
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -257,3 +259,27 @@ def test_a_link_is_refused_and_an_installation_without_packages_says_what_to_do(
     monkeypatch.setattr(engine_package, "__file__", str(tmp_path / "a" / "b" / "c" / "d.py"))
     with pytest.raises(PackageError, match="install Pacinian from"):
         find_package("unity")
+
+
+@pytest.mark.parametrize("installed", [True, False])
+def test_unity_is_told_where_the_program_is(
+    unity: Path, tmp_path: Path, installed: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scripts, note = tmp_path / "bin ü", unity / "UserSettings" / "PacinianProgram.txt"
+    scripts.mkdir()
+    monkeypatch.setattr(sysconfig, "get_path", {"scripts": str(scripts)}.get)
+    program = scripts / ("pacinian.exe" if sys.platform == "win32" else "pacinian")
+    if installed:
+        program.touch()
+    for _ in range(2):  # also if the package is there already
+        run("unity", unity)
+        assert note.exists() is installed
+        if installed:
+            assert Path(note.read_text(encoding="utf-8").strip()) == program
+            note.unlink()
+
+
+def test_a_place_where_the_program_cannot_be_noted_changes_nothing(unity: Path) -> None:
+    (unity / "UserSettings").touch()  # not a folder
+    run("unity", unity)
+    assert (unity / UNITY / "package.json").exists()

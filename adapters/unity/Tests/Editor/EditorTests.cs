@@ -117,6 +117,22 @@ namespace Pacinian.Haptics.Tests
         }
 
         [Test]
+        public void TheProgramIsThatOfTheInstallationUnlessOneIsChosen()
+        {
+            string before = ServerExecutable.Chosen;
+            string noted = File.Exists(ServerExecutable.Note) ? File.ReadAllText(ServerExecutable.Note) : "";
+            string file = Path.GetTempFileName();
+            Directory.CreateDirectory(Path.GetDirectoryName(ServerExecutable.Note));
+            ServerExecutable.Chosen = "";
+            File.WriteAllText(ServerExecutable.Note, file + "\n");
+            Assert.AreEqual(file, ServerExecutable.Find());
+            File.Delete(file);
+            Assert.IsTrue(ServerExecutable.Find() != file);
+            File.WriteAllText(ServerExecutable.Note, noted);
+            ServerExecutable.Chosen = before;
+        }
+
+        [Test]
         public void TheLibraryOfTheServersPythonIsFoundAndCopiedWithWhatItNeeds()
         {
             string root = Path.Combine(Path.GetTempPath(), "pacinian-test-" + Guid.NewGuid().ToString("N"));
