@@ -237,13 +237,18 @@ class Pipeline:
         return frame
 
     def _meets_new_hand(self, scene: Scene) -> bool:
-        """Return whether the pressure on skin is limited, and what is played does not know the skin of a hand.
+        """Return whether a hand whose skin is not known might get more than the limit of the pressure on skin.
 
         Such a hand may be anywhere in the field, so that the output must be silent until a solution knows it.
         """
-        if self._settings.peak == math.inf or not self._settings.adaptive:
+        peak = self._settings.peak
+        if peak == math.inf or not self._settings.adaptive:
             return False
-        return not all(map(self.played.knows, scene.hands))
+        new = [hand for hand in scene.hands if not self.played.knows(hand)]
+        if not new:
+            return False
+        amplitudes = self.playback.find_highest_amplitudes(self.played.solutions)
+        return not all(self.solver.skin_limit.holds_for(hand, amplitudes, peak) for hand in new)
 
     def _count_ticks(self, t: float) -> int:
         """Return the number of ticks from the last one to that at time t [s]: 1, unless the loop has rested."""

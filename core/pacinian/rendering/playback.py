@@ -119,6 +119,16 @@ class Playback:
         """Return the last gains of the frames that take turns, without envelopes and before rounding, (K, N)."""
         return self._steering.repeat(self.modulator.copy_carriers())
 
+    def find_highest_amplitudes(self, play: SolutionSequence) -> Floats:
+        """Return the highest amplitude of each transducer while the output passes to `play`, (N,)."""
+        parts = [
+            one.gains[None] if one.contributions is None else one.contributions
+            for one in dict.fromkeys(play.rows)
+        ]
+        solved = [np.abs(gains).sum(axis=0, keepdims=True) for gains in parts]
+        carriers = np.abs(self.modulator.copy_carriers())
+        return np.asarray(np.concatenate([carriers, *solved]).max(axis=0), np.float64)
+
     def quantise_gains(self, gains: Gains, limits: Limits) -> Gains:
         """Return gains, (N,), as rounded by the device."""
         power = limits.power is not None

@@ -96,8 +96,8 @@ class Renderer(Closeable):
     with waves from two sides. While most solves for moving samples are late, only one frame is used. 1 disables
     cycles. peak: highest radiation pressure on the skin of the hands [Pa]; a solution that would exceed it is
     scaled down. Without a hand, no skin is evaluated. If `adaptive`, the output is silent from when a hand appears
-    until a solution knows it. In a cycle, single frames press more strongly than their mean. `peak` also limits the
-    target of each of these frames, but never to less than the target of the whole cycle.
+    that might get more, until a solution knows it. In a cycle, single frames press more strongly than their mean.
+    `peak` also limits the target of each of these frames, but never to less than the target of the whole cycle.
 
     start_thread: starts the thread that solves in the background: it runs a function in a new thread of the given name.
 

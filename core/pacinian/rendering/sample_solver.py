@@ -77,7 +77,7 @@ class SampleSolver:
     spares_solves: bool = field(default=False, init=False)
 
     def __post_init__(self) -> None:
-        self._skin_limit = SkinLimit(self.session)
+        self.skin_limit = SkinLimit(self.session)
         self._steered = SteeredSolver(self.session.array)
         self._contacts = ContactFollower(self.session.array)
         self.reset()
@@ -103,7 +103,7 @@ class SampleSolver:
         self._contacts.reset()
         self.fresh = []
         self.cycle.reset()
-        self._skin_limit.reset()
+        self.skin_limit.reset()
 
     def solve(
         self, samples: Samples, t: float, limits: Limits, solver: Solver, deadline: float,
@@ -388,7 +388,7 @@ class SampleSolver:
         )  # fmt: skip
         final = not (made.ran_out_of_time or session.unsettled)
         made = replace(made, steady=groups.steady and final, final=final)
-        return self._skin_limit.enforce(made, self.skins, self.cycle.peak, again=again)
+        return self.skin_limit.enforce(made, self.skins, self.cycle.peak, again=again)
 
 
 def _split_by_technique(samples: Samples) -> tuple[Samples, list[tuple[Object, Samples]]]:

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from pacinian.rendering.cached_solution import CachedSolution
+    from pacinian.scene.hands.hand import Hand
     from pacinian.scene.sampling.posed_skin import PosedSkin
     from pacinian.scene.sampling.samples import Samples
     from pacinian.session import Session
@@ -121,6 +122,16 @@ class SkinLimit:
         if peak is None:
             return replace(made, evaluated=False, final=False, steady=False)
         return scale_down(made, limit, peak) if peak > limit else made
+
+    def holds_for(self, hand: Hand, amplitudes: Floats, limit: float) -> bool:
+        """Return whether transducers with these amplitudes, (N,), cannot exceed the limit [Pa] at a hand.
+
+        Whatever their phases are. The hand is not lost, and need not be known.
+        """
+        thick = 0.0 if hand.joints is None else float(hand.radii.max())
+        q = hand.carriers
+        low, high = q.min(axis=0) - thick, q.max(axis=0) + thick
+        return self._is_below(amplitudes[None], low, high, limit)
 
     def find_peak(
         self, contributions: Gains, skins: Sequence[PosedSkin], samples: Samples, limit: float,
@@ -237,7 +248,9 @@ class SkinLimit:
         squared = (q * q).sum(axis=1)[:, None] + (r * r).sum(axis=1) - 2.0 * (q @ r.T)
         return np.asarray((along > least * np.sqrt(np.maximum(squared, 0.0))).any(axis=1))
 
-    def _is_below(self, contributions: Gains, low: Floats, high: Floats, limit: float) -> bool:
+    def _is_below(
+        self, contributions: Gains | Floats, low: Floats, high: Floats, limit: float
+    ) -> bool:
         """Return whether the sum of the transducers' pressures is below the limit in a whole box, and just around it.
 
         low, high: corners of the box, (3,) [m].

@@ -116,8 +116,9 @@ def test_hands_that_are_known_do_not_interrupt_the_output(background: bool) -> N
         assert all(np.any(gains) for gains in loop.run(3))
 
 
-def test_without_a_limit_a_new_hand_does_not_interrupt_the_output() -> None:
-    loop = Loop(background=True, peak=float("inf"))
+@pytest.mark.parametrize("peak", [float("inf"), 500.0])
+def test_a_limit_that_the_array_cannot_exceed_does_not_interrupt_the_output(peak: float) -> None:
+    loop = Loop(background=True, peak=peak)
     loop.end_solve(ready=False)
     loop.show(RIGHT)
     assert all(np.any(gains) for gains in loop.run(10))

@@ -285,7 +285,14 @@ def test_the_input_is_of_the_hands_that_are_played(server: Server) -> None:
     joints = pc.Hand.open(pose=pc.Pose((0.0, 0.0, 0.16))).joints
     assert joints is not None
     ball = pc.Volume(shape=pc.Sphere(0.03), pose=pc.Pose((0, 0, 0.15)), radiation_pressure=3.0)
+
+    def move(k: int) -> None:
+        moved = (joints + np.array([1e-3 * k, 0.0, 0.0])).astype("<f4").tobytes()
+        info = HandInfo("right", "a", moved, b"", b"", server.clock.now())
+        server.change(SetHands((info,), True, k, 0.1 * k, 0.2 * k))
+
     server.put(ball)
+    move(0)  # a hand that is new could be answered by silence first
     server.arm()
     server.tick(3)
     played = []
@@ -294,9 +301,7 @@ def test_the_input_is_of_the_hands_that_are_played(server: Server) -> None:
             background = solve_beside(server.loop.renderer)
         if k >= 5:
             background.ready = k % 2 == 1
-        moved = (joints + np.array([1e-3 * k, 0.0, 0.0])).astype("<f4").tobytes()
-        info = HandInfo("right", "a", moved, b"", b"", server.clock.now())
-        server.change(SetHands((info,), True, k, 0.1 * k, 0.2 * k))
+        move(k)
         server.loop.renderer.tick()
         server.clock.advance(0.001)
         head = server.frame[0]
