@@ -1,6 +1,7 @@
 """The laboratory: benchmarks, fault injection, fuzzing, soak runs, studies, stress tests and the paper.
 
-Nothing here is needed to render. A plug-in adds its commands to `pacinian`.
+Studies are of arrays; there are no experiments with people. Nothing here is needed to render.
+A plug-in adds its commands to `pacinian`.
 
 plugin.py  the plug-in: adds the commands below to `pacinian`
 commands/  one file for each command: `pacinian bench ...`, `soak`, `stress`, `study`, `paper`

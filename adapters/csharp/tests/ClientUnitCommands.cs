@@ -19,7 +19,7 @@ namespace Pacinian.Tests
         public void ABatchIsWrittenAsTheMessageIs()
         {
             Bulk session = new Bulk();
-            session.Set(new byte[Protocol.Session], 0, Protocol.Session);
+            session.Set(new byte[Protocol.SessionBytes], 0, Protocol.SessionBytes);
             Envelopes envelopes = new Envelopes { Envelope = new Sine { Frequency = 100.0 } };
             envelopes.Names.Add("a");
             Hands hands = new Hands();

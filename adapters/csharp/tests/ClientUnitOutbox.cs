@@ -124,7 +124,7 @@ namespace Pacinian.Tests
             Commands commands = new Commands(Life);
             Writer writer = new Writer();
             Bulk session = new Bulk();
-            session.Set(new byte[Protocol.Session], 0, Protocol.Session);
+            session.Set(new byte[Protocol.SessionBytes], 0, Protocol.SessionBytes);
             string[] names = { "a", "b", "c" };
             Movement movement = new Movement();
             long begin = 0;

@@ -190,7 +190,7 @@ namespace Pacinian.Tests
         {
             Step(0.0);
             Welcome welcome = new Welcome { Id = 1, Protocol = new Int2(1, 7), Server = "s", Scene = "hall", Lease = 0.25 };
-            welcome.Session.Set(new byte[Protocol.Session], 0, Protocol.Session);
+            welcome.Session.Set(new byte[Protocol.SessionBytes], 0, Protocol.SessionBytes);
             Answer(welcome);
             Step(0.001);
             Answer(new Abilities { Id = 2 });

@@ -36,8 +36,8 @@ From gains to levels
     envelope_gains.py         applies envelopes to gains; fades from the envelopes of one solution to those of the next
     envelope_groups.py        samples that share an envelope (voices), and their contribution to the gains
     row_times.py              how many rows a frame has, and when each sounds
-    quantiser.py              levels of the device: rounding, dither, inverse of its amplitude table
-    quantiser.hpp             rounds gains: called by quantiser.py
+    quantiser.py              ceiling, dither thresholds, inverse of the amplitude table; calls quantiser.hpp
+    quantiser.hpp             rounds gains to the device's levels: called by quantiser.py
 What is reported
     report.py                 counts, tick times and their stages, errors, faults
     deviation_log.py          what was left out or changed, by object and reason, over time

@@ -30,29 +30,29 @@ if TYPE_CHECKING:
 class SceneSolver:
     """Samples and solves for one scene after the other.
 
-    sampler: samples scenes. samples: solves for their samples. playback: rounds gains as the device does. settings: of
-    the loop. now: the clock of solves in the background [s].
+    sampler: samples scenes. sample_solver: solves for their samples. playback: rounds gains as the device does.
+    settings: of the loop. now: the clock of solves in the background [s].
     """
 
     def __init__(
         self,
         sampler: Sampler,
-        samples: SampleSolver,
+        sample_solver: SampleSolver,
         playback: Playback,
         settings: LoopSettings,
         now: Callable[[], float],
     ) -> None:
-        self._sampler, self._samples, self._playback = sampler, samples, playback
+        self._sampler, self._sample_solver, self._playback = sampler, sample_solver, playback
         self._settings, self._now = settings, now
 
     def prepare(self, limits: Limits, solver: Solver) -> None:
         """Tell the sampler what the next solve's limits and solver mean for it."""
-        settings, alone = self._settings, limits.couples_gains
+        settings, couples = self._settings, limits.couples_gains
         self._sampler.mode = SamplingMode(
-            bands=1 if alone else self._samples.cycle.max_bands,
-            max_uniform_points=0.0 if alone else solver.max_uniform_points,
+            bands=1 if couples else self._sample_solver.cycle.max_bands,
+            max_uniform_points=0.0 if couples else solver.max_uniform_points,
             peak=settings.peak,
-            surround=solver.surrounds and not alone,
+            surround=solver.surrounds and not couples,
             strict=settings.strict,
             steers=not limits.forbids_steering,
             fine=not settings.adaptive,
@@ -65,27 +65,27 @@ class SceneSolver:
         """Sample the scene of time t [s], and solve for its samples.
 
         at: time for which positions and gains are to hold [s]. deadline: of the solve, from its beginning [s]; may be
-        infinite. last: the result that is played. stages: timer of the stages, which is in "sample". in_background:
-        whether this runs in the background.
+        infinite. last: the result that is played. stages: timer of the stages; the current one is "sample".
+        in_background: whether this runs in the background.
         """
         begin = self._now() if in_background else math.nan
-        sampler, solves = self._sampler, self._samples
+        sampler, sample_solver = self._sampler, self._sample_solver
         known = sampler.sample_counts
         samples = sampler.sample(scene, at, at - t)
         counts = sampler.sample_counts
         if counts is not known and len(counts.samples):
             self._note_unreachable(counts)
         stages.enter("solve")
-        solves.skins = sampler.pose_seen() if len(samples) else ()
-        solves.cycle.budget = sampler.frame_budget
-        solves.spares_solves = in_background and self._settings.adaptive
-        solutions = solves.solve(samples, t, limits, solver, deadline, at)
+        sample_solver.skins = sampler.pose_seen() if len(samples) else ()
+        sample_solver.cycle.budget = sampler.frame_budget
+        sample_solver.spares_solves = in_background and self._settings.adaptive
+        solutions = sample_solver.solve(samples, t, limits, solver, deadline, at)
         fast = last.too_fast
         if solutions is not last.solutions:
             fast = self.find_too_fast(solutions)
-        fresh, pressures, seconds = tuple(solves.fresh), None, math.nan
+        fresh, pressures, seconds = tuple(sample_solver.fresh), None, math.nan
         if in_background:
-            # a steered field makes at its samples what it made where it was solved for
+            # steering moves the field with its samples, so their pressures stay those of the solve
             same = (
                 solutions.rows == last.solutions.rows and solutions.limits == last.solutions.limits
             )
@@ -94,14 +94,14 @@ class SceneSolver:
             )
             seconds = self._now() - begin
             stages.enter("drive")  # ends "solve"
-        hands = frozenset(skin.hand.name for skin in solves.skins)
+        hands = frozenset(skin.hand.name for skin in sample_solver.skins)
         return SolveResult(
             scene, counts, solutions, solver, fresh, pressures, at, seconds, fast, hands
         )
 
     def _note_unreachable(self, counts: SampleCounts) -> None:
         """Note the samples that no sound can reach."""
-        unreachable = self._samples.reach.find_unreachable(counts.samples.positions)
+        unreachable = self._sample_solver.reach.find_unreachable(counts.samples.positions)
         if unreachable is None:
             return
         far, on = unreachable
@@ -110,10 +110,13 @@ class SceneSolver:
                 counts.drop(reason, found)
 
     def _compute_pressures(self, solutions: SolutionSequence, limits: Limits) -> Floats | None:
-        """Return the pressures at the samples of what has just been solved, if a propagator is still that of these."""
+        """Return the pressures at the samples of what has just been solved.
+
+        None if no propagator has these points any more.
+        """
         solutions = replace(solutions, motion=None)
         samples = solutions.played_samples
-        for frame in self._samples.cycle.frames:
+        for frame in self._sample_solver.cycle.frames:
             propagator = frame.session.propagator
             whole = samples is not None and np.array_equal(propagator.points, samples.positions)
             if whole and propagator.quiet_subspace is None:

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 class SkinLoader:
     """Loads the skins of hands, and knows the kinds of hands that a renderer has seen last.
 
-    These kinds are those of its scenes, and not those that the process has built, so that a recording is rendered again
-    exactly. limited: whether the pressure on skin has a limit.
+    The kinds are remembered for each renderer, not for the process, so that a recording is rendered again exactly.
+    limited: whether the pressure on skin has a limit.
     """
 
     def __init__(self, *, limited: bool) -> None:
@@ -55,7 +55,10 @@ class SkinLoader:
         self.load(new)
 
     def find_new(self, hands: Iterable[Hand]) -> list[Hand]:
-        """Return the first hand of each kind that was not among those seen last. Lost hands are left out."""
+        """Return the first hand of each kind that was not among those seen last, and note all kinds as seen.
+
+        Lost hands are left out.
+        """
         new: list[Hand] = []
         for hand in hands:
             if hand.lost:

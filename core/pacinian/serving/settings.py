@@ -194,7 +194,9 @@ class Settings(Struct, frozen=True, forbid_unknown_fields=True):
 
 
 def load(path: str | Path) -> Settings:
-    """Read a configuration file, TOML or JSON. Paths in it are relative to its folder.
+    """Read a configuration file, TOML or JSON.
+
+    Paths in it are relative to its folder, except those in the options of plug-ins.
 
     Raises SceneFileError, which names the file, the key and the fix.
     """

@@ -2,7 +2,7 @@
 
 A message is one MessagePack map with a key `type`. Newer minor versions only add optional fields, which older
 readers ignore. Any other change makes a new major version. Lengths are in metres and times in seconds; the world's
-frame is right-handed. Bulk numbers are little-endian float32 in a `bin`.
+frame is right-handed. Bulk numbers are little-endian in a `bin`: float32, unless the field says otherwise.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ MAJOR, MINOR = 1, 1
 MAX_COMMAND_BYTES = 1 << 20  # size of a message on the command socket [bytes]
 MAX_CONTROL_BYTES = 1 << 16  # size of a message on the control socket [bytes]
 MAX_REPLY_BYTES = 1 << 20  # size of a reply or state [bytes]
-SESSION = 16  # size of a session key [bytes]
+SESSION_BYTES = 16  # size of a session key [bytes]
 
 MAX_OBJECTS = 256  # objects in one message
 MAX_HANDS = 8  # hands in one message
@@ -35,7 +35,8 @@ Text = Annotated[str, Meta(max_length=200, description="a text")]
 Id = Annotated[int, Meta(ge=0, le=2**32 - 1, description="repeated in the reply; 0: no reply")]
 Sequence = Annotated[int, Meta(ge=1, le=2**53, description="increases with each message")]
 Session = Annotated[
-    bytes, Meta(min_length=SESSION, max_length=SESSION, description="key from `welcome`")
+    bytes,
+    Meta(min_length=SESSION_BYTES, max_length=SESSION_BYTES, description="key from `welcome`"),
 ]
 Seconds = Annotated[float, Meta(ge=-1e12, le=1e12, description="[s]")]
 Lifetime = Annotated[float, Meta(ge=0.0, le=MAX_TIME_TO_LIVE, description="[s]")]

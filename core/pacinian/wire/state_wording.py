@@ -1,4 +1,4 @@
-"""Words for the figures of a state."""
+"""Words for the figures of a state; `read_felt` decodes the felt ones."""
 
 from __future__ import annotations
 
@@ -31,7 +31,10 @@ def list_counts(counts: Mapping[str, int]) -> str:
 
 
 def read_felt(objects: Iterable[str], felt: bytes) -> dict[str, FeltRegion]:
-    """Return the felt quality of objects that have regions, between their samples. felt: as in `State`."""
+    """Return what is felt of each object that has a region, by name.
+
+    felt: as in `State`, which says where it is measured.
+    """
     regions = (FeltRegion(*four) for four in unpack(felt, 4).tolist())
     return {
         name: region

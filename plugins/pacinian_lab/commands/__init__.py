@@ -16,5 +16,5 @@ paper.py            `pacinian paper`: the paper's experiment, figures, forces
 soak.py             `pacinian soak`: a server that runs for long
 stress.py           `pacinian stress`: promises of solvers on hard problems
 study.py            `pacinian study`: layouts, planes, patterns, solvers in all combinations
-shared.py           what they share: the option --units, printing of tables, the folder of results
+shared.py           what they share: the option --units, tables, the check for matplotlib, the folder of results
 """

@@ -32,7 +32,8 @@ def examples(
 ) -> None:
     """Make the peers' own haptic examples, by them and by Pacinian, and compare time and field.
 
-    Peaks are searched near the foci, in a field by code that no solver uses. docs/comparison.md explains the figures.
+    The peaks near the foci are searched in a field that is computed by code no solver uses. docs/comparison.md explains
+    the figures.
     """
     import msgspec
     from rich.console import Console
@@ -57,13 +58,13 @@ def examples(
             worker.close()
     if as_json:
         versions = {name: at for worker in workers for name, at in worker.versions.items()}
-        made = {example.name: example for example in todo}
+        by_name = {example.name: example for example in todo}
         plain = [
             {k: v for k, v in row._asdict().items() if k != "gains"}
-            | vars(score(made[row.example], row.gains))
+            | vars(score(by_name[row.example], row.gains))
             for row in rows
         ]
-        # not a number is null
+        # msgspec writes NaN as null
         click.echo(msgspec.json.encode({"versions": versions, "rows": plain}))
     elif markdown:
         click.echo(tables.write_markdown(rows, todo))

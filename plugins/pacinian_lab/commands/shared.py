@@ -1,4 +1,4 @@
-"""What several commands share: the option --units, printing of tables, the folder of results."""
+"""What several commands share: the option --units, tables, the check for matplotlib, the folder of results."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 WINDOWS = 120  # windows of a run
 MIN_WINDOW = 0.5  # [s] minimum length of a window
 MAX_WAIT = 60.0  # [s] longest wait for an answer
-VISITS = 4  # windows between two clients that are killed
+VISIT_INTERVAL = 4  # windows from one client that is killed to the next
 
 
 class Row(Struct, frozen=True):
@@ -46,7 +46,7 @@ def measure(side: int, seconds: float) -> Iterator[Row]:
         for k in range(max(4, round(seconds / length))):
             before, start = server.usage(), time.perf_counter()
             with ExitStack() as visit:
-                if k % VISITS == 1:
+                if k % VISIT_INTERVAL == 1:
                     killed = visit.enter_context(WorkerProcess("killed_client"))
                     killed.send(Visit(str(server.connection), SCENE))
                 game.send(Window(length))

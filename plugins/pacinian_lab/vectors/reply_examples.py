@@ -8,12 +8,12 @@ import numpy as np
 
 from pacinian.wire import modulation, objects, replies, shapes, state
 from pacinian.wire.binary_arrays import pack
-from pacinian.wire.protocol import MAJOR, MINOR, SESSION
+from pacinian.wire.protocol import MAJOR, MINOR, SESSION_BYTES
 
 if TYPE_CHECKING:
     from msgspec import Struct
 
-KEY = bytes(range(SESSION))
+KEY = bytes(range(SESSION_BYTES))
 CORNERS = pack([[0.0, 0.0, 0.0], [0.05, 0.0, 0.0], [0.0, 0.05, 0.0], [0.0, 0.0, 0.05]])
 HAND = pack(0.001953125 * np.arange(78.0).reshape(26, 3))
 LAGRANGE = replies.Plugin(name="lagrange", summary="Best with limits.", options={"steps": 20})

@@ -35,8 +35,9 @@ class CullingBoxes:
     def find(self, scene: Scene, hands: list[PosedSkin]) -> Floats:
         """Return the boxes in which objects can be felt, as lower and upper corners, (boxes, 6) [m].
 
-        Each box lies within the workspace and not too far from the array. A scene with hands has the box of each of
-        `hands`, those that are present. A scene without hands has a single box.
+        Each box lies within the workspace and within MAX_LENGTH of the array's centre along each axis. If the scene
+        has hands, there is one for each of `hands`, the hands that are present, except those outside the workspace.
+        Otherwise there is one in all.
         """
         box = self._find_box(scene.workspace)
         if not scene.hands:

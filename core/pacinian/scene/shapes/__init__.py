@@ -23,7 +23,7 @@ poisson_disk.py        thins points out to even spacing
 texture.py             `Texture`, `grating`: data, period, the factor on pressures; why a sweeping finger vibrates
 local_samples.py       `LocalSamples`: samples in a shape's own frame; grids
 array_data.py          arrays in scenes: numbers or a .npy file or picture, kept as bytes
-shape_types.py         which shapes a surface or volume may have; distance to any of them
+shape_types.py         SHELLS: which shapes a surface may have (solids: SOLIDS in csg.py); distance to any
 """
 
 from __future__ import annotations

@@ -101,8 +101,8 @@ class Lissajous(
 ):
     """A Lissajous figure in the xy-plane: x = width/2 sin(a s + phase), y = height/2 sin(b s).
 
-    width, height: [m]. a, b: whole numbers, 1 to 100, which are divided by their greatest common divisor, so that the
-    figure is drawn once. phase: [rad]. Raises ArgumentError.
+    width, height: [m]. a, b: whole numbers from 1; they are divided by their greatest common divisor, so that the
+    figure is drawn once, and are then at most 100. phase: [rad]. Raises ArgumentError.
     """
 
     width: float

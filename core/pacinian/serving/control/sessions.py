@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from pacinian.serving.control.output_lease import ClientSession, OutputLease
 from pacinian.serving.ipc import messages
 from pacinian.wire.control import Arm, Bye, Disarm, Hello, Renew, Reset, Stop
-from pacinian.wire.protocol import MAJOR, MINOR, SESSION
+from pacinian.wire.protocol import MAJOR, MINOR, SESSION_BYTES
 from pacinian.wire.replies import Error, Ok, Renewed, Welcome
 from pacinian.wire.state import PRIVATE_SCENE_PREFIX
 
@@ -153,7 +153,7 @@ class ClientSessions:
         most_lease = self._settings.safety.lease
         scene = message.scene or f"{PRIVATE_SCENE_PREFIX}{secrets.token_hex(8)}"
         session = ClientSession(
-            key=secrets.token_bytes(SESSION),
+            key=secrets.token_bytes(SESSION_BYTES),
             peer=peer,
             user=user,
             name=message.client,

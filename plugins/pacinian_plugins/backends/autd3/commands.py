@@ -10,7 +10,7 @@ from pacinian_plugins.backends.autd3.packages import import_package
 MAX_LEVEL_CHANGE = 65535
 
 
-def make_exact() -> Any:
+def make_unramped() -> Any:
     """Return the command that lets levels change from one period to the next, instead of the silencer's ramps.
 
     `SetSilencer.disable()` does not do this: in the emulator, some phases then take the long way round, up to 1 ms.

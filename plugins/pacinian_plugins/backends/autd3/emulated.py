@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pacinian.argument_checks import check_number
-from pacinian_plugins.backends.autd3.commands import make_exact, make_silent
+from pacinian_plugins.backends.autd3.commands import make_silent, make_unramped
 from pacinian_plugins.backends.autd3.levels import PERIOD, PHASES
 from pacinian_plugins.backends.autd3.packages import import_package
 
@@ -34,7 +34,7 @@ class EmulatedTransport:
         api = import_package("autd3")
         self._emulator, self._duration = import_package("autd3_emulator"), api.Duration.from_nanos
         self._silent = api.Frames.encode(geometry, make_silent(len(geometry)))
-        self._begin = api.Frames.encode(geometry, [make_exact(), make_silent(len(geometry))])
+        self._begin = api.Frames.encode(geometry, [make_unramped(), make_silent(len(geometry))])
         self._log: deque[tuple[float, Any]] = deque(maxlen=MAX_MESSAGES)
 
     @property

@@ -8,7 +8,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import pacinian as pc
-from pacinian_plugins.backends.autd3.commands import make_exact, make_silent
+from pacinian_plugins.backends.autd3.commands import make_silent, make_unramped
 from pacinian_plugins.backends.autd3.error_advice import explain
 from pacinian_plugins.backends.autd3.packages import NAME, import_package
 
@@ -137,7 +137,7 @@ class UdpTransport:
         if self._failsafe:
             cpu = self._commands.CpuConfig(failsafe_timeout=duration(self._watchdog))
             await self._client.send(self._commands.SetCpuConfig(cpu))
-        await self._client.send([make_exact(), self._silent])
+        await self._client.send([make_unramped(), self._silent])
         self._sent = self._clock()
         self._begin(self._pump())
 

@@ -10,7 +10,7 @@ namespace Pacinian.Wire
         public const int MaxCommandBytes = 1048576;
         public const int MaxControlBytes = 65536;
         public const int MaxReplyBytes = 1048576;
-        public const int Session = 16;
+        public const int SessionBytes = 16;
         public const int MaxObjects = 256;
         public const int MaxHands = 8;
         public const int MaxZones = 16;
