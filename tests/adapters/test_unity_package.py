@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from . import tools
-from .unity import PACKAGE
+from .unity import PACKAGE, build_for_unity
 
 ROOT = tools.ADAPTERS.parent
 GENERATE = tools.ADAPTERS / "generate" / "main.py"
@@ -91,6 +91,12 @@ def test_assemblies() -> None:
         assert made["includePlatforms"] or "Tests" in path.parts or made["excludePlatforms"]
     for source in PACKAGE.rglob("*.cs"):
         assert any(path.parent in source.parents for path in asmdefs), source
+
+
+@pytest.mark.deep("mcs")
+def test_it_compiles_with_what_unity_has(tmp_path: Path) -> None:
+    """Its tests, too: Unity compiles them in each project that has the package in its folder Packages."""
+    build_for_unity(tmp_path)
 
 
 @pytest.mark.parametrize("path", YAML, ids=lambda p: p.name)

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from . import tools
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
 
 PACKAGE = tools.ADAPTERS / "unity"
 STUBS = tools.CSHARP / "stubs"
@@ -14,6 +18,8 @@ SYSTEMS = {  # Unity's input systems
     "manager": ["ENABLE_LEGACY_INPUT_MANAGER"],
     "system": ["ENABLE_INPUT_SYSTEM", "PACINIAN_INPUT_SYSTEM"],
 }
+STUBS_ONLY = "PACINIAN_STUBS"  # defined for tests that need more than Unity has
+MARKED = re.compile(r"(Not in Unity\.\s*(?:///\s*)?</summary>\s*)public\b")  # a member
 VERSIONS = {  # of other packages
     "older": [],
     "newer": ["PACINIAN_XRI_3", "PACINIAN_ULTRALEAP_7"],
@@ -38,16 +44,9 @@ def build(folder: Path) -> Built:
     """Compile all of the package's assemblies, with the references of its asmdefs."""
     core = tools.csharp(folder / "Pacinian.Core.dll", tools.CORE.rglob("*.cs"))
     shutil.copy(tools.CSHARP / "Pacinian.dll.config", folder / "Pacinian.Core.dll.config")
-    engine = tools.csharp(folder / "UnityEngine.dll", (STUBS / "UnityEngine").glob("*.cs"))
-    editor = tools.csharp(folder / "UnityEditor.dll", (STUBS / "UnityEditor").glob("*.cs"), engine)
+    engine, editor = _engine(folder, STUBS)
     runner = tools.csharp(folder / "nunit.framework.exe", (STUBS / "NUnit").glob("*.cs"), engine)
-    layer = _part(folder, "", "Runtime", core, engine)
-    _part(folder, ".XRHands", "Runtime/XRHands", engine, layer)
-    editing = _part(folder, ".Editor", "Editor", core, engine, layer, editor)
-    tests = _part(folder, ".Tests", "Tests/Runtime", core, engine, layer, runner)
-    of_editor = _part(
-        folder, ".Editor.Tests", "Tests/Editor", core, engine, layer, editor, editing, runner
-    )
+    layer, tests, of_editor = _package(folder, core, engine, editor, runner, [STUBS_ONLY])
     mouse = tuple(
         _with_input(folder / system, defines, core, engine, runner)
         for system, defines in SYSTEMS.items()
@@ -62,6 +61,45 @@ def build(folder: Path) -> Built:
         core, engine, layer, editor,
     )  # fmt: skip
     return Built(player, runner, tests, of_editor, packages, mouse)
+
+
+def build_for_unity(folder: Path) -> None:
+    """Compile the package, its tests and its sample against the stubs without what Unity does not have."""
+    strict = folder / "stubs"
+    for source in [*(STUBS / "UnityEngine").glob("*.cs"), *(STUBS / "UnityEditor").glob("*.cs")]:
+        text = source.read_text(encoding="utf-8")
+        hidden, count = MARKED.subn(r"\1internal", text)
+        assert count == text.count("Not in Unity"), source
+        copy = strict / source.parent.name / source.name
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        copy.write_text(hidden, encoding="utf-8")
+    core = tools.csharp(folder / "Pacinian.Core.dll", tools.CORE.rglob("*.cs"))
+    engine, editor = _engine(folder, strict)
+    nunit = tools.csharp(folder / "nunit.framework.dll", [STUBS / "NUnit" / "Framework.cs"])
+    layer, *_ = _package(folder, core, engine, editor, nunit, [])
+    _part(folder, ".Samples", "Samples~/TouchABall", core, engine, layer)
+
+
+def _engine(folder: Path, stubs: Path) -> tuple[Path, Path]:
+    """Compile UnityEngine.dll and UnityEditor.dll."""
+    engine = tools.csharp(folder / "UnityEngine.dll", (stubs / "UnityEngine").glob("*.cs"))
+    editor = tools.csharp(folder / "UnityEditor.dll", (stubs / "UnityEditor").glob("*.cs"), engine)
+    return engine, editor
+
+
+def _package(
+    folder: Path, core: Path, engine: Path, editor: Path, nunit: Path, defines: list[str]
+) -> tuple[Path, Path, Path]:
+    """Compile the package's components, their tests, and the tests of its editor part. defines: for the tests."""
+    layer = _part(folder, "", "Runtime", core, engine)
+    _part(folder, ".XRHands", "Runtime/XRHands", engine, layer)
+    editing = _part(folder, ".Editor", "Editor", core, engine, layer, editor)
+    tests = _part(folder, ".Tests", "Tests/Runtime", core, engine, layer, nunit, defines=defines)
+    of_editor = _part(
+        folder, ".Editor.Tests", "Tests/Editor", core, engine, layer, editor, editing, nunit,
+        defines=defines,
+    )  # fmt: skip
+    return layer, tests, of_editor
 
 
 def _with_packages(folder: Path, defines: list[str], *libraries: Path) -> Path:
@@ -93,8 +131,10 @@ def _with_input(folder: Path, defines: list[str], *libraries: Path) -> Path:
     return made[-1]
 
 
-def _part(folder: Path, name: str, sources: str, *libraries: Path) -> Path:
+def _part(
+    folder: Path, name: str, sources: str, *libraries: Path, defines: Iterable[str] = ()
+) -> Path:
     return tools.csharp(
         folder / f"Pacinian.Haptics{name}.dll", (PACKAGE / sources).glob("*.cs"), *libraries,
-        defines=SYSTEMS["manager"],
+        defines=[*SYSTEMS["manager"], *defines],
     )  # fmt: skip

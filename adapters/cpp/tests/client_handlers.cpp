@@ -1,4 +1,4 @@
-// Tests of handlers that throw, and of what a client reports that is not started. Compiled with exceptions.
+// Tests of handlers that throw, and of what a client that was never started reports. Compiled with exceptions.
 
 #include <chrono>
 #include <future>

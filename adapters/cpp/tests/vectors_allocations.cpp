@@ -9,11 +9,11 @@
 
 namespace {
 
-std::size_t taken = 0, times = 0;
+std::size_t allocated_bytes = 0, allocations = 0;
 
 void* counted(std::size_t size) {
-  taken += size;
-  ++times;
+  allocated_bytes += size;
+  ++allocations;
   void* made = std::malloc(size ? size : 1);
   if (!made) std::abort();
   return made;
@@ -45,9 +45,9 @@ void expect(bool good, const char* what, std::size_t found) {
 template <class F>
 void steady(const char* what, F once) {
   once(0);
-  const std::size_t before = times;
+  const std::size_t before = allocations;
   for (int i = 1; i < frames; ++i) once(i);
-  expect(times == before, what, times - before);
+  expect(allocations == before, what, allocations - before);
 }
 
 void numbers(Bytes& to, std::size_t count, int frame) {
@@ -91,14 +91,14 @@ void read_again(const std::string& folder) {
   for (const auto& vector : vectors::read(folder, "state")) {
     AnyState state;
     steady("allocations of a state", [&](int) {
-      if (!decode_state(vector.data.data(), vector.data.size(), state, error)) ++failed;
+      expect(decode_state(vector.data.data(), vector.data.size(), state, error), vector.name.c_str(), 0);
     });
   }
   for (const auto& vector : vectors::read(folder, "reply")) {
     if (vector.name != "renewed" && vector.name != "ok") continue;
     AnyReply reply;
     steady("allocations of a reply", [&](int) {
-      if (!decode_reply(vector.data.data(), vector.data.size(), reply, error)) ++failed;
+      expect(decode_reply(vector.data.data(), vector.data.size(), reply, error), vector.name.c_str(), 0);
     });
   }
 }
@@ -107,9 +107,9 @@ void refused(const std::string& folder) {
   vectors::Bytes made;
   for (const auto& vector : vectors::read(folder, "malformed")) {
     vectors::Sockets sockets;
-    const std::size_t before = taken;
+    const std::size_t before = allocated_bytes;
     sockets.again(vector.socket, vector.data, made);
-    expect(taken - before <= 4096 + 64 * vector.data.size(), vector.name.c_str(), taken - before);
+    expect(allocated_bytes - before <= 4096 + 64 * vector.data.size(), vector.name.c_str(), allocated_bytes - before);
   }
 }
 

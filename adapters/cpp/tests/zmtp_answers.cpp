@@ -1,6 +1,7 @@
 // A socket that executes commands from standard input, one per line, and prints events as lines of JSON.
-// Arguments: Dealer or Sub, address, password ("" for NULL), time between heartbeats [s], their timeout [s] and that of
-// connecting and of the handshake [s], `again` to reconnect. A Sub starts to connect when it gets its topic.
+// Arguments: `Dealer` or `Sub`; address; password ("" for NULL); seconds between heartbeats; their timeout [s]; timeout
+// of connecting and of the handshake [s]; `again` to reconnect, or another word. A Sub starts to connect when it gets
+// its topic.
 
 #include <unistd.h>
 

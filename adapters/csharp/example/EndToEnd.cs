@@ -14,11 +14,11 @@ namespace Pacinian.Example
     internal sealed class EndToEnd
     {
         private const double Frame = 1.0 / 90.0; // [s]
-        private const double Steady = 0.2, Swaps = 0.6, Changes = 0.8; // fractions of the time at which these begin
+        private const double Steady = 0.2, SolverChange = 0.6, BackendChange = 0.8; // when these begin: fractions of the time
         private const double Timeout = 60.0; // [s]
         private const double Height = 0.2; // [m]
 
-        private readonly Figures _hand = new Figures(), _calls = new Figures();
+        private readonly Figures _handAges = new Figures(), _calls = new Figures();
         private readonly List<HandFrame> _hands = new List<HandFrame>();
         private readonly HandFrame _open = new HandFrame();
         private readonly HapticClient _client;
@@ -27,8 +27,8 @@ namespace Pacinian.Example
         private string _solver, _backend;
         private long _bytes, _workerBytes, _foci;
         private int _frames, _steady;
-        private double _far;
-        private bool _swapped, _changed;
+        private double _farthest;
+        private bool _solverChanged, _backendChanged;
 
         private EndToEnd(string path, double seconds)
         {
@@ -74,7 +74,7 @@ namespace Pacinian.Example
                 _steady = 0;
                 _bytes = _workerBytes = 0;
                 begin = _client.Now;
-                while (_client.Now - begin < (Swaps - Steady) * _seconds)
+                while (_client.Now - begin < (SolverChange - Steady) * _seconds)
                 {
                     Step(Steady);
                 }
@@ -94,16 +94,16 @@ namespace Pacinian.Example
 
         private void Step(double share)
         {
-            bool steady = share >= Steady && share < Swaps;
-            if (share >= Swaps && !_swapped)
+            bool steady = share >= Steady && share < SolverChange;
+            if (share >= SolverChange && !_solverChanged)
             {
-                _swapped = true;
+                _solverChanged = true;
                 _solver = _client.State.Solver == "gs" ? "weighted-gs" : "gs";
                 _client.Select(new Choice { Name = _solver });
             }
-            if (share >= Changes && !_changed)
+            if (share >= BackendChange && !_backendChanged)
             {
-                _changed = true;
+                _backendChanged = true;
                 _backend = Another(_client.State.Backend);
                 _client.Select(backend: new Choice { Name = _backend });
             }
@@ -135,7 +135,7 @@ namespace Pacinian.Example
                 Step(0.0);
                 if (_client.Now > end)
                 {
-                    Fail("it does not come: " + _client.Problem);
+                    Fail("nothing came within " + Timeout + " s: " + _client.Problem);
                 }
             }
         }
@@ -158,13 +158,13 @@ namespace Pacinian.Example
             for (int i = 0; i < state.Inputs.Count / 32; i++)
             {
                 double sent = state.Inputs.Real(4 * i + 1), emitted = state.Inputs.Real(4 * i + 3);
-                _hand.Add(emitted - _client.Offset - sent);
+                _handAges.Add(emitted - _client.Offset - sent);
             }
             for (int i = 0; i < state.Points.Count / 12; i++)
             {
                 _foci++;
                 Vec3 off = state.Points.Point(i) - new Vec3(0.0, 0.01, Height);
-                _far = Math.Max(_far, Math.Sqrt(Vec3.Dot(off, off)));
+                _farthest = Math.Max(_farthest, Math.Sqrt(Vec3.Dot(off, off)));
             }
         }
 
@@ -172,11 +172,11 @@ namespace Pacinian.Example
         {
             Trips trips = _client.Trips;
             State state = _client.State;
-            return "{\"frames\":" + _frames + ",\"foci\":" + _foci + ",\"far\":" + Figures.Json(_far)
+            return "{\"frames\":" + _frames + ",\"foci\":" + _foci + ",\"far\":" + Figures.Json(_farthest)
                 + ",\"solver\":\"" + state.Solver + "\",\"backend\":\"" + state.Backend + "\""
                 + ",\"trip_p50\":" + Figures.Json(trips.Median) + ",\"trip_p99\":" + Figures.Json(trips.P99)
-                + ",\"inputs\":" + _hand.Count + ",\"hand_p50\":" + Figures.Json(_hand.Quantile(0.5))
-                + ",\"hand_p99\":" + Figures.Json(_hand.Quantile(0.99))
+                + ",\"inputs\":" + _handAges.Count + ",\"hand_p50\":" + Figures.Json(_handAges.Quantile(0.5))
+                + ",\"hand_p99\":" + Figures.Json(_handAges.Quantile(0.99))
                 + ",\"call_p50\":" + Figures.Json(_calls.Quantile(0.5)) + ",\"call_p99\":" + Figures.Json(_calls.Quantile(0.99))
                 + ",\"call_longest\":" + Figures.Json(_calls.Quantile(1.0))
                 + ",\"steady\":" + _steady + ",\"bytes_per_frame\":" + Figures.Json((double)_bytes / _steady)

@@ -28,7 +28,10 @@ export class Quads {
     this.resize(0);
   }
 
-  /** Set the number of squares. If there is no room, allocate room for at least twice as many as before. */
+  /**
+   * Set the number of squares. If there is no room, new buffers at least twice as large replace the old: write all
+   * attributes again.
+   */
   resize(count: number): void {
     if (count > this.capacity || !this.capacity) this.allocate(Math.max(2 * this.capacity, count, 1));
     this.count = count;

@@ -1,8 +1,7 @@
 #include "level.h"
 
-#include <algorithm>
 #include <cmath>
-#include <initializer_list>
+#include <set>
 #include <sstream>
 
 #include "ArrayOriginComponent.h"
@@ -154,8 +153,8 @@ void Level::serve(std::istream& from) {
   server->StartServer(problem);
 }
 
-/// Moves the array, the ball or the point: position [cm], yaw [deg], scale. The position of the array is in the level,
-/// others are above the array.
+/// Moves the array, the ball, the point or the plate: position [cm], yaw [deg], scale. The position of the array is in
+/// the level, others are above the array.
 void Level::place(std::istream& from) {
   std::string what;
   double yaw = 0.0, scale = 1.0;
@@ -199,15 +198,15 @@ UHapticEffectComponent* Level::named(const std::string& name) {
   return volume;
 }
 
-/// Examples: `play point`, `silence ball`, `press ball 5`, `duration point 0.5`, `tremble ball 80`, `rectangle`,
-/// `disc`, `mesh`.
+/// Examples: `play point`, `silence ball`, `press ball 5`, `share ball 0.5`, `duration point 0.5`, `tremble ball 80`,
+/// `fade ball`, `refresh ball`, `rectangle`, `disc`, `mesh 6 6 6`.
 void Level::effect(const std::string& what, std::istream& from) {
   std::string name;
   if (what == "rectangle") plate->Shape = EHapticSurface::Rectangle;
   if (what == "disc") plate->Shape = EHapticSurface::Disc;
   if (what == "mesh") plate->Mesh = volume->Mesh = NewObject<UStaticMesh>(things), surface(from);
-  const auto is = [&](std::initializer_list<const char*> words) { return std::any_of(words.begin(), words.end(), [&](const char* each) { return what == each; }); };
-  if (!is({"play", "silence", "press", "share", "duration", "tremble", "fade", "refresh"})) return;
+  static const std::set<std::string> known = {"play", "silence", "press", "share", "duration", "tremble", "fade", "refresh"};
+  if (known.count(what) == 0) return;
   from >> name;
   UHapticEffectComponent* found = named(name);
   if (what == "play") found->Play();
@@ -227,7 +226,8 @@ void Level::effect(const std::string& what, std::istream& from) {
   found->SetEnvelope(envelope);
 }
 
-/// Gives the volume a box mesh of this size [cm], with separate vertices for each face, like a rendered mesh.
+/// Gives the volume and the plate a box mesh of this size [cm], with separate vertices for each face, like a rendered
+/// mesh.
 void Level::surface(std::istream& from) {
   const FVector half = 0.5 * vector(from);
   FStaticMeshLODResources level;
@@ -246,7 +246,6 @@ void Level::surface(std::istream& from) {
       for (const uint32 i : {0U, 2U, 1U, 1U, 2U, 3U}) level.IndexBuffer.Indices.push_back(first + i);
     }
   volume->Mesh->Data.LODResources.Add(level);
-  plate->Mesh = volume->Mesh;
   volume->Shape = EHapticVolume::Mesh;
   volume->Refresh();
 }

@@ -1,5 +1,13 @@
 using System;
 
+namespace UnityEngine.TestTools
+{
+    public static class LogAssert
+    {
+        public static bool ignoreFailingMessages { get; set; }
+    }
+}
+
 namespace NUnit.Framework
 {
     [AttributeUsage(AttributeTargets.Method)]

@@ -20,9 +20,11 @@ namespace NUnit.Framework
                 }
                 foreach (Type type in Assembly.LoadFrom(path).GetTypes())
                 {
+                    // one for all tests of a class
+                    Lazy<object> fixture = new Lazy<object>(() => Activator.CreateInstance(type));
                     foreach (MethodInfo method in type.GetMethods(All))
                     {
-                        Run(type, method, ref passed, ref failed);
+                        Run(fixture, method, ref passed, ref failed);
                     }
                 }
             }
@@ -30,15 +32,15 @@ namespace NUnit.Framework
             return failed == 0 && passed > 0 ? 0 : 1;
         }
 
-        private static void Run(Type type, MethodInfo method, ref int passed, ref int failed)
+        private static void Run(Lazy<object> fixture, MethodInfo method, ref int passed, ref int failed)
         {
             if (method.IsDefined(typeof(TestAttribute), false))
             {
-                Count(One(type, method, null), ref passed, ref failed);
+                Count(One(fixture.Value, method, null), ref passed, ref failed);
             }
             foreach (TestCaseAttribute given in method.GetCustomAttributes(typeof(TestCaseAttribute), false))
             {
-                Count(One(type, method, given.Arguments), ref passed, ref failed);
+                Count(One(fixture.Value, method, given.Arguments), ref passed, ref failed);
             }
         }
 
@@ -48,9 +50,8 @@ namespace NUnit.Framework
             failed += good ? 0 : 1;
         }
 
-        private static bool One(Type type, MethodInfo method, object[] arguments)
+        private static bool One(object fixture, MethodInfo method, object[] arguments)
         {
-            object fixture = Activator.CreateInstance(type);
             try
             {
                 Prepare(fixture, typeof(SetUpAttribute));
@@ -59,7 +60,7 @@ namespace NUnit.Framework
             }
             catch (TargetInvocationException error)
             {
-                Console.WriteLine(type.Name + "." + method.Name + ": " + error.InnerException);
+                Console.WriteLine(fixture.GetType().Name + "." + method.Name + ": " + error.InnerException);
                 return false;
             }
             finally

@@ -9,12 +9,13 @@ namespace Pacinian.Haptics.Tests
     /// <summary>Tests the hand that the mouse moves, with stubs of either of Unity's input systems.</summary>
     public sealed class MouseTests
     {
-        private readonly GameObject _owner = new GameObject("hand");
+        private GameObject _owner;
         private HapticHand _hand;
 
         [SetUp]
         public void Stand()
         {
+            _owner = new GameObject("hand");
             _owner.transform.position = new Vector3(1f, 2f, 3f);
             _hand = _owner.AddComponent<HapticHand>();
             _hand.Source = HapticHandSource.Mouse;
@@ -75,7 +76,7 @@ namespace Pacinian.Haptics.Tests
             Mouse.current.position.Given = pixels;
             Mouse.current.leftButton.isPressed = held;
 #else
-            Input.mousePosition = new Vector3(pixels.x, pixels.y, 0f);
+            Input.Given = new Vector3(pixels.x, pixels.y, 0f);
             Input.Held = held;
 #endif
         }

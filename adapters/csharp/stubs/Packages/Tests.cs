@@ -14,7 +14,13 @@ namespace Pacinian.Haptics.Tests
     /// <summary>Tests the components for other packages, with stubs of these packages.</summary>
     public sealed class PackagesTests
     {
-        private readonly GameObject _owner = new GameObject("owner");
+        private GameObject _owner;
+
+        [SetUp]
+        public void Stand()
+        {
+            _owner = new GameObject("owner");
+        }
 
         [TearDown]
         public void Clean()

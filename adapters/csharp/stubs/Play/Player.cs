@@ -156,7 +156,7 @@ namespace Pacinian.Tests
         private void Mouse(string[] words)
         {
             _level.Hand.GetComponent<HapticHand>().Source = HapticHandSource.Mouse;
-            Input.mousePosition = new Vector3(Number(words[1]), Number(words[2]), 0f);
+            Input.Given = new Vector3(Number(words[1]), Number(words[2]), 0f);
             Input.Held = words[3] == "1";
         }
 

@@ -33,7 +33,7 @@ namespace UnityEditor
             get { return new[] { target }; }
         }
 
-        public SerializedObject serializedObject { get; set; }
+        public SerializedObject serializedObject { get; }
 
         public virtual void OnInspectorGUI()
         {
@@ -92,11 +92,15 @@ namespace UnityEditor
 
     public sealed class SerializedProperty
     {
+        internal SerializedProperty()
+        {
+        }
+
         public string stringValue { get; set; } = "";
 
         public float floatValue { get; set; }
 
-        public bool hasMultipleDifferentValues { get; set; }
+        public bool hasMultipleDifferentValues { get; }
 
         public int enumValueIndex { get; set; }
 

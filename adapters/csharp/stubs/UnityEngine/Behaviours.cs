@@ -7,15 +7,14 @@ namespace UnityEngine
     /// <summary>Calls messages by name, as Unity does, even if they are private.</summary>
     public class MonoBehaviour : Behaviour
     {
-        private static readonly Dictionary<string, bool> Parameterless = new Dictionary<string, bool>
+        private static readonly HashSet<string> Parameterless = new HashSet<string>
         {
-            { "Awake", true }, { "Start", true }, { "OnEnable", true }, { "OnDisable", true }, { "OnDestroy", true },
-            { "Update", true }, { "LateUpdate", true }, { "OnApplicationQuit", true }, { "OnDrawGizmos", true },
-            { "OnDrawGizmosSelected", true }, { "OnValidate", true }, { "Reset", true },
+            "Awake", "Start", "OnEnable", "OnDisable", "OnDestroy", "Update", "LateUpdate", "OnApplicationQuit",
+            "OnDrawGizmos", "OnDrawGizmosSelected", "OnValidate", "Reset",
         };
 
         private readonly Dictionary<string, Action> _messages = new Dictionary<string, Action>();
-        private bool _awake, _on;
+        private bool _awake;
 
         internal int Order
         {
@@ -26,10 +25,7 @@ namespace UnityEngine
             }
         }
 
-        internal bool On
-        {
-            get { return _on; }
-        }
+        internal bool On { get; private set; }
 
         internal bool Started { get; set; }
 
@@ -65,10 +61,10 @@ namespace UnityEngine
                 Engine.Add(this);
                 Send("Awake");
             }
-            if (_awake && _on != isActiveAndEnabled)
+            if (_awake && On != isActiveAndEnabled)
             {
-                _on = !_on;
-                Send(_on ? "OnEnable" : "OnDisable");
+                On = !On;
+                Send(On ? "OnEnable" : "OnDisable");
             }
         }
 
@@ -79,7 +75,7 @@ namespace UnityEngine
             {
                 foreach (MethodInfo method in type.GetMethods(All))
                 {
-                    if (Parameterless.ContainsKey(method.Name) && method.GetParameters().Length > 0)
+                    if (Parameterless.Contains(method.Name) && method.GetParameters().Length > 0)
                     {
                         throw new InvalidOperationException(type + "." + method.Name + " can not take parameters");
                     }

@@ -1,6 +1,9 @@
 using System;
 using System.Collections.Generic;
 using System.Reflection;
+using System.Runtime.CompilerServices;
+
+[assembly: InternalsVisibleTo("UnityEditor")]
 
 namespace UnityEngine
 {
@@ -9,7 +12,10 @@ namespace UnityEngine
     {
         private static readonly List<MonoBehaviour> Behaviours = new List<MonoBehaviour>();
 
-        /// <summary>Whether components run. Components added before start with <see cref="Play"/>.</summary>
+        /// <summary>
+        /// Whether components run. Components added before <see cref="Play"/> wake up at their next change, such as
+        /// SetActive.
+        /// </summary>
         public static bool Playing { get; private set; }
 
         /// <summary>The number of components.</summary>
@@ -58,7 +64,7 @@ namespace UnityEngine
             }
         }
 
-        /// <summary>Ends play mode: calls, disables and destroys all components.</summary>
+        /// <summary>Ends play mode: sends OnApplicationQuit, then disables and destroys all components.</summary>
         public static void Quit()
         {
             Send("OnApplicationQuit");

@@ -3,7 +3,7 @@ using System.Collections.Generic;
 
 namespace UnityEngine
 {
-    public class GameObject : Object
+    public sealed class GameObject : Object
     {
         private readonly List<Component> _components = new List<Component>();
         private bool _active = true;

@@ -1,12 +1,12 @@
 namespace UnityEngine.Rendering
 {
-    public class RenderPipelineAsset : ScriptableObject
+    public abstract class RenderPipelineAsset : ScriptableObject
     {
-        public virtual Material defaultMaterial { get; set; }
+        public virtual Material defaultMaterial { get; }
     }
 
     public static class GraphicsSettings
     {
-        public static RenderPipelineAsset currentRenderPipeline { get; set; }
+        public static RenderPipelineAsset currentRenderPipeline { get; }
     }
 }

@@ -19,15 +19,21 @@ namespace UnityEngine
 
     public static class Application
     {
-        public static string productName { get; set; } = "game";
+        public static string productName { get; } = "game";
 
-        public static string version { get; set; } = "1.0";
+        public static string version { get; } = "1.0";
 
-        public static string persistentDataPath { get; set; } = ".";
+        public static string persistentDataPath { get; } = ".";
 
-        public static string dataPath { get; set; } = ".";
+        public static string dataPath { get; } = ".";
 
-        public static string streamingAssetsPath { get; set; } = "StreamingAssets";
+        public static string streamingAssetsPath { get; private set; } = "StreamingAssets";
+
+        /// <summary>Sets the folder of streaming assets. Not in Unity.</summary>
+        public static void SetStreamingAssetsPath(string folder)
+        {
+            streamingAssetsPath = folder;
+        }
     }
 
     public static class Resources
@@ -114,7 +120,13 @@ namespace UnityEngine
 
     public static class Input
     {
-        public static Vector3 mousePosition { get; set; }
+        public static Vector3 mousePosition
+        {
+            get { return Given; }
+        }
+
+        /// <summary>The mouse's position. Not in Unity.</summary>
+        public static Vector3 Given { get; set; }
 
         /// <summary>Whether the left button is down. Not in Unity.</summary>
         public static bool Held { get; set; }
@@ -127,8 +139,8 @@ namespace UnityEngine
 
     public static class Screen
     {
-        public static int width { get; set; } = 1920;
+        public static int width { get; } = 1920;
 
-        public static int height { get; set; } = 1080;
+        public static int height { get; } = 1080;
     }
 }

@@ -8,7 +8,7 @@ namespace UnityEngine
 
         public int[] triangles { get; set; } = new int[0];
 
-        public bool isReadable { get; set; } = true;
+        public bool isReadable { get; } = true;
     }
 
     public sealed class MeshFilter : Component
@@ -70,7 +70,7 @@ namespace UnityEngine
 
     public sealed class Camera : Behaviour
     {
-        public static Camera main { get; set; }
+        public static Camera main { get; internal set; }
     }
 
     public struct Keyframe

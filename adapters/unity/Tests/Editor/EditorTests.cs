@@ -94,17 +94,6 @@ namespace Pacinian.Haptics.Tests
         }
 
         [Test]
-        public void ADropDownHasTheServersNamesAndTheOneThatIsChosen()
-        {
-            Wire.Abilities told = new Wire.Abilities();
-            told.Solvers.Add(new Wire.Plugin { Name = "gs" });
-            string[] names = PluginDropDown.Of(told.Solvers, "mine");
-            Assert.AreEqual("(the server's),gs,mine", string.Join(",", names));
-            Assert.AreEqual(0, PluginDropDown.Index(names, ""));
-            Assert.AreEqual(1, PluginDropDown.Index(names, "gs"));
-        }
-
-        [Test]
         public void TheProgramIsTheChosenOneOrThatInThePath()
         {
             string before = ServerExecutable.Chosen;

@@ -6,16 +6,19 @@ namespace Pacinian.Haptics.Tests
 {
     public sealed class ArrayTests
     {
-        private readonly GameObject _space = new GameObject("tracked space");
-        private readonly GameObject _array = new GameObject("array");
+        private GameObject _space, _array;
 
         [SetUp]
         public void Stand()
         {
+            _space = new GameObject("tracked space");
+            _array = new GameObject("array");
             _space.transform.position = new Vector3(5f, 1f, -3f);
             _space.transform.rotation = Quaternion.AngleAxis(70f, Vector3.up);
             _array.transform.SetParent(_space.transform, false);
-            _array.AddComponent<ArrayOrigin>().KnownPoints = new[]
+            ArrayOrigin origin = _array.AddComponent<ArrayOrigin>();
+            origin.CalibrationName = "tests"; // the project's own calibration stays
+            origin.KnownPoints = new[]
             {
                 new Vector3(-0.285f, 0f, -0.23f), new Vector3(0.285f, 0f, -0.23f), new Vector3(0.285f, 0f, 0.23f),
             };

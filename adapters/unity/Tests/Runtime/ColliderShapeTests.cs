@@ -7,12 +7,22 @@ namespace Pacinian.Haptics.Tests
 {
     public sealed class ColliderShapeTests
     {
-        private readonly GameObject _owner = new GameObject("solid");
         private readonly List<Collider> _colliders = new List<Collider>();
+        private GameObject _owner;
 
         private HapticVolume Volume
         {
-            get { return _owner.GetComponent<HapticVolume>() ?? _owner.AddComponent<HapticVolume>(); }
+            get
+            {
+                HapticVolume found = _owner.GetComponent<HapticVolume>();
+                return found != null ? found : _owner.AddComponent<HapticVolume>();
+            }
+        }
+
+        [SetUp]
+        public void Stand()
+        {
+            _owner = new GameObject("solid");
         }
 
         [TearDown]

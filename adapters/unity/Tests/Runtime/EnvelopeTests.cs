@@ -6,7 +6,19 @@ namespace Pacinian.Haptics.Tests
 {
     public sealed class EnvelopeTests
     {
-        private readonly HapticEnvelope _envelope = ScriptableObject.CreateInstance<HapticEnvelope>();
+        private HapticEnvelope _envelope;
+
+        [SetUp]
+        public void Make()
+        {
+            _envelope = ScriptableObject.CreateInstance<HapticEnvelope>();
+        }
+
+        [TearDown]
+        public void Clean()
+        {
+            UnityEngine.Object.DestroyImmediate(_envelope);
+        }
 
         [TestCase(EnvelopeKind.Constant)]
         [TestCase(EnvelopeKind.Sine)]

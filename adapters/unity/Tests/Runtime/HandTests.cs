@@ -6,7 +6,13 @@ namespace Pacinian.Haptics.Tests
 {
     public sealed class HandTests
     {
-        private readonly GameObject _owner = new GameObject("owner");
+        private GameObject _owner;
+
+        [SetUp]
+        public void Stand()
+        {
+            _owner = new GameObject("owner");
+        }
 
         [TearDown]
         public void Clean()

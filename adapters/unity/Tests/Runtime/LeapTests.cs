@@ -10,7 +10,13 @@ namespace Pacinian.Haptics.Tests
     /// </summary>
     public sealed class LeapTests
     {
-        private readonly GameObject _owner = new GameObject("hand");
+        private GameObject _owner;
+
+        [SetUp]
+        public void Stand()
+        {
+            _owner = new GameObject("hand");
+        }
 
         [TearDown]
         public void Clean()

@@ -7,6 +7,12 @@ namespace Pacinian.Haptics.Tests
         private MotionTracker _tracker;
         private Movement _movement;
 
+        [SetUp]
+        public void Forget()
+        {
+            _tracker = new MotionTracker();
+        }
+
         [Test]
         public void ItIsTheWayInTheTime()
         {

@@ -6,7 +6,13 @@ namespace Pacinian.Haptics.Tests
 {
     public sealed class SurfaceTests
     {
-        private readonly GameObject _owner = new GameObject("surface");
+        private GameObject _owner;
+
+        [SetUp]
+        public void Stand()
+        {
+            _owner = new GameObject("surface");
+        }
 
         [TearDown]
         public void Clean()

@@ -5,8 +5,8 @@ namespace Pacinian
 {
     /// <summary>
     /// The achieved pressure of an object's surface or volume, compared with the requested one, over about the last
-    /// second and over all touched skin. In free air, it is measured between the samples. All numbers are NaN if the server does not report them: for points and paths, and in
-    /// silence.
+    /// second: on all touched skin or, in free air, between the samples. All numbers are NaN if the server does not
+    /// report them: for points and paths, and in silence.
     /// </summary>
     public struct RegionFelt
     {
@@ -21,7 +21,10 @@ namespace Pacinian
         /// <summary>The fraction of the region with less than half of the requested pressure; 0 is ideal.</summary>
         public float Holes;
 
-        /// <summary>The highest radiation pressure 3 to 30 mm outside the region, relative to the mean requested one.</summary>
+        /// <summary>
+        /// The highest radiation pressure beside the region (3 to 30 mm on skin, 3 to 5 mm in free air), relative to the
+        /// mean requested one.
+        /// </summary>
         public float Spill;
 
         /// <summary>Whether the server reports the numbers.</summary>

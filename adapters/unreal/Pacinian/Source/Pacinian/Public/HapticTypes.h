@@ -46,8 +46,8 @@ enum class EHapticStrength : uint8 {
 UENUM(BlueprintType)
 enum class EHapticSide : uint8 { Left, Right };
 
-/** The achieved pressure of a surface or volume, compared with the requested one, over about the last second and over
- * all touched skin. In free air, it is measured between the samples. */
+/** The achieved pressure of a surface or volume, compared with the requested one, over about the last second: on all
+ * touched skin or, in free air, between the samples. */
 USTRUCT(BlueprintType)
 struct PACINIAN_API FHapticRegionFelt {
   GENERATED_BODY()
@@ -68,7 +68,8 @@ struct PACINIAN_API FHapticRegionFelt {
   UPROPERTY(BlueprintReadOnly, Category = "Haptics")
   float Holes = 0.0f;
 
-  /** The highest radiation pressure 3 to 30 mm outside the region, relative to the mean requested one. */
+  /** The highest radiation pressure beside the region (3 to 30 mm on skin, 3 to 5 mm in free air), relative to the mean
+   * requested one. */
   UPROPERTY(BlueprintReadOnly, Category = "Haptics")
   float Spill = 0.0f;
 };
