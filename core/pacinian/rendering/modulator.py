@@ -161,6 +161,9 @@ class Modulator:
             carrier[:] = one.gains
         # an intended jump of a focus is not limited, and new limits apply from the first row on
         limited = self._limits is not None and self._limits != play.limits
+        limited = limited and bool(
+            self.smoother.gains.any()
+        )  # on the way from silence, all limits hold
         settings = self._jumps if limited or play.each else self._smoothing
         self._limits = play.limits
         if solved != self._followed:

@@ -29,6 +29,7 @@ from pacinian.rendering.solution_sequence import SolutionSequence, SolveResult
 from pacinian.rendering.solve_deadline import SolveDeadline
 from pacinian.rendering.steered_solver import STEERED_TIME_FACTOR
 from pacinian.rendering.warmup import load_envelopes, try_out
+from pacinian.scene.sampling.hand_tracking import is_gone
 from pacinian.scene.sampling.sample_counts import SampleCounts
 from pacinian.scene.sampling.samples import no_samples
 from pacinian.scene.scene import Scene
@@ -107,6 +108,8 @@ class Pipeline:
         self.played = self._before = empty
         """The result that the last frame plays."""
         self._silenced = False  # whether the last frame is silent because of a new hand
+        # a scene whose hands get no more than the limit from a result
+        self._harmless: tuple[Scene, SolveResult] = empty.scene, empty
         self._taken: SolveResult | None = None  # of this tick
         self.lag = 0.0
         """Age of the last frame's scene [s]: the last tick's time minus the scene time that the frame was solved for.
@@ -212,12 +215,12 @@ class Pipeline:
         ticks, waits = self._count_ticks(t), self._may_wait(limits, solver)
         if ticks > 1 and not waits:
             self.sampler.rest_until(t - self.period)
-        silenced = self._meets_new_hand(scene)
+        silenced = self._meets_new_hand(scene, t)
         if waits:
             self._solve_in_background(scene, limits, solver, t, ticks)
         elif not (silenced and self.playback.sounds):
             self._solve_now(scene, limits, solver, t)
-        self._silenced = silenced and self._meets_new_hand(scene)
+        self._silenced = silenced and self._meets_new_hand(scene, t)
         self.lag = t - self.played.time
         play = self.played.solutions
         inputs = play.samples, limits, solver, self._silenced
@@ -236,19 +239,23 @@ class Pipeline:
             self._monitor.watch(scene, self.played, limits, t, ticks)
         return frame
 
-    def _meets_new_hand(self, scene: Scene) -> bool:
+    def _meets_new_hand(self, scene: Scene, t: float) -> bool:
         """Return whether a hand whose skin is not known might get more than the limit of the pressure on skin.
 
         Such a hand may be anywhere in the field, so that the output must be silent until a solution knows it.
         """
-        peak = self._settings.peak
+        peak, played = self._settings.peak, self.played
         if peak == math.inf or not self._settings.adaptive:
             return False
-        new = [hand for hand in scene.hands if not self.played.knows(hand)]
-        if not new:
+        if self._harmless[0] is scene and self._harmless[1] is played:
             return False
-        amplitudes = self.playback.find_highest_amplitudes(self.played.solutions)
-        return not all(self.solver.skin_limit.holds_for(hand, amplitudes, peak) for hand in new)
+        new = [hand for hand in scene.hands if not (is_gone(hand, t) or played.knows(hand))]
+        if new:
+            amplitudes = self.playback.find_highest_amplitudes(played.solutions)
+            if not all(self.solver.skin_limit.holds_for(hand, amplitudes, peak) for hand in new):
+                return True
+        self._harmless = scene, played
+        return False
 
     def _count_ticks(self, t: float) -> int:
         """Return the number of ticks from the last one to that at time t [s]: 1, unless the loop has rested."""

@@ -94,7 +94,7 @@ class SceneSolver:
             )
             seconds = self._now() - begin
             stages.enter("drive")  # ends "solve"
-        hands = frozenset(skin.hand.name for skin in sample_solver.skins)
+        hands = {skin.hand.name: skin.hand.carriers for skin in sample_solver.skins}
         return SolveResult(
             scene, counts, solutions, solver, fresh, pressures, at, seconds, fast, hands
         )

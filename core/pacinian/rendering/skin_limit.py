@@ -61,7 +61,7 @@ MIN_LENGTH = 1e-9  # smallest length of a vector used as a divisor
 MAX_UNEVALUATED_SHARE = 0.25
 MAX_NOT_EVALUATED = 7  # largest number of successive solutions that are not evaluated
 # A solution is like the last evaluated one only if neither the sum of its gains' amplitudes nor its highest target is
-# larger by more than this factor, and if the middle of its samples is less than a wavelength away.
+# larger by more than this factor, and if the middle of its samples, and each hand, are less than a wavelength away.
 MAX_LIKE_RATIO = 1.2
 
 
@@ -69,14 +69,14 @@ class _Summary(NamedTuple):
     """What describes an evaluated solution, to compare the next ones with it.
 
     limit: of the pressure on skin [Pa]. drive: sum of the gains' amplitudes. asked: highest target [Pa]. middle: of the
-    samples, (3,) [m]. hands: their names.
+    samples, (3,) [m]. hands: their centres by name, (3,) [m].
     """
 
     limit: float
     drive: float
     asked: float
     middle: Floats
-    hands: frozenset[str]
+    hands: dict[str, Floats]
 
 
 class SkinLimit:
@@ -147,7 +147,7 @@ class SkinLimit:
         contributions = np.ascontiguousarray(contributions, np.complex64)
         asked = float(samples.radiation_pressure.max(initial=0.0))
         middle = samples.positions.mean(axis=0)
-        hands = frozenset(skin.hand.name for skin in skins)
+        hands = {skin.hand.name: np.array(skin.centre) for skin in skins}
         summary = _Summary(limit, float(np.abs(contributions).sum()), asked, middle, hands)
         if not again and self._is_like_last(summary):
             self._passed += 1
@@ -161,13 +161,16 @@ class SkinLimit:
         last = self._last
         if last is None or self._passed == MAX_NOT_EVALUATED:
             return False
-        away = summary.middle - last.middle
+        if summary.hands.keys() != last.hands.keys():
+            return False
+        moved = [summary.middle - last.middle]
+        moved += [centre - last.hands[name] for name, centre in summary.hands.items()]
         more = (
             summary.drive > MAX_LIKE_RATIO * last.drive
             or summary.asked > MAX_LIKE_RATIO * last.asked
         )
-        same = summary.limit == last.limit and summary.hands == last.hands
-        return same and not more and float(away @ away) < self._wavelength**2
+        near = all(float(d @ d) < self._wavelength**2 for d in moved)
+        return summary.limit == last.limit and not more and near
 
     def _evaluate_peak(
         self, contributions: Gains, skins: Sequence[PosedSkin], samples: Samples, limit: float

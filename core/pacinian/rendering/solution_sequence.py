@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
+from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
 from pacinian.acoustics.pressure import sound_pressure
@@ -13,6 +14,8 @@ from pacinian.scene.sampling.sample_counts import label_samples
 from pacinian.solving.problem import Limits, Targets, number_regions
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from pacinian.plugins.solver import Solver
     from pacinian.rendering.cached_solution import CachedSolution
     from pacinian.rendering.field_steering import Motion
@@ -23,6 +26,10 @@ if TYPE_CHECKING:
     from pacinian.types import Floats
 
 RISEN_FROM = 0.99  # share of the full force from which ramps count as ended
+
+# Largest distance of a hand from where a solution was made for it at which it is known [m]. A hand at 1 m/s needs as
+# much if each solution is played for 75 ms.
+MAX_KNOWN_DISTANCE = 0.08
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,9 +64,10 @@ class SolutionSequence:
 
     @cached_property
     def muted(self) -> SolutionSequence:
-        """The same with gains of 0, into which the output fades."""
+        """The same with gains of 0, into which the output fades; without the jumps of a technique."""
         rows = {one: replace(one, gains=0.0 * one.gains, contributions=None) for one in self.rows}
-        return replace(self, rows=tuple(rows[one] for one in self.rows))
+        played = self.rows[-1:] if self.each else self.rows
+        return replace(self, rows=tuple(rows[one] for one in played), each=False)
 
     @property
     def played_samples(self) -> Samples | None:
@@ -96,8 +104,8 @@ class SolveResult(NamedTuple):
     solver: the solver that was used. fresh: those of `solutions` that are new. sample_pressures: sound
     pressure amplitude at the played samples, as emitted where they were solved for, (M,) [Pa]; None if it is not known.
     time: scene time for which this was solved [s]. seconds: duration in the background [s]; NaN if it ran in a tick.
-    too_fast: labels of the objects whose vibration the device cannot play. seen_hands: names of the hands whose skin
-    was known.
+    too_fast: labels of the objects whose vibration the device cannot play. seen_hands: joints or vertices of the hands
+    whose skin was known, by name, (P, 3) [m].
     """
 
     scene: Scene
@@ -109,12 +117,15 @@ class SolveResult(NamedTuple):
     time: float = 0.0
     seconds: float = math.nan
     too_fast: tuple[str, ...] = ()
-    seen_hands: frozenset[str] = frozenset()
+    seen_hands: Mapping[str, Floats] = MappingProxyType({})
 
     def knows(self, hand: Hand) -> bool:
-        """Return whether the skin of a hand was known, the hand is lost, or it was sent then as it is now."""
-        if hand.lost or hand.name in self.seen_hands:
-            return True
+        """Return whether the skin of a hand was known roughly where it is, or the hand was sent then as it is now."""
+        then = self.seen_hands.get(hand.name)
+        if then is not None and then.shape == hand.carriers.shape:
+            d = hand.carriers - then
+            if float((d * d).sum(axis=1).max()) <= MAX_KNOWN_DISTANCE * MAX_KNOWN_DISTANCE:
+                return True
         return any(hand is one or hand.same(one) for one in self.scene.hands)
 
     @property

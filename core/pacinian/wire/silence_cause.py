@@ -34,7 +34,7 @@ CAUSES: dict[Cause, str] = {
     "nothing in reach": "the hand touches no object; the text names the nearest",
     "out of the array's reach": "the touched skin faces away from the array, or is too far away",
     "too faint": "the pressure of the touched object is below the threshold of feeling",
-    "pause": "an envelope is at 0, or the sound has just begun",
+    "pause": "an envelope is at 0, a hand has just come, or the sound has just begun",
 }
 """Meanings of the values of `State.cause`. If several apply, the state gives the first."""
 

@@ -6,11 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 import pacinian as pc
 from pacinian.gallery import HAND
 from pacinian.rendering.deviation_log import SKIN_LIMITED
 from pacinian.rendering.rerender import rerender
+from pacinian.rendering.smoothing import Smoothing
 from pacinian.testing import ManualClock
 from pacinian_plugins.backends.simulated import Simulated
 
@@ -24,6 +26,7 @@ if TYPE_CHECKING:
 TICK = 1e-3  # [s]
 LIMIT = 3.0  # [Pa]
 SILENT_AFTER = 2  # ticks in which the output fades out
+ROUNDING = 0.02  # of the device
 BALL = pc.Volume(
     shape=pc.Sphere(0.02), pose=pc.Pose((*CENTRE[:2], 0.19)), radiation_pressure=4.0, name="ball"
 )
@@ -32,10 +35,16 @@ LEFT = pc.Hand.open("left", pc.Pose((CENTRE[0], CENTRE[1] + 0.12, 0.22)))
 
 
 class Loop:
-    """A renderer whose scene and background the test controls. background: whether solves run in the background."""
+    """A renderer whose scene and background the test controls.
 
-    def __init__(self, *hands: pc.Hand, background: bool, **settings: Any) -> None:
+    item: the object. background: whether solves run in the background.
+    """
+
+    def __init__(
+        self, *hands: pc.Hand, background: bool, item: Any = BALL, **settings: Any
+    ) -> None:
         settings.setdefault("peak", LIMIT)
+        self.item = item
         self.device = Simulated(rate=2000.0, keep=1000)
         self.show(*hands)
         self.renderer = pc.Renderer(
@@ -50,7 +59,7 @@ class Loop:
 
     def show(self, *hands: pc.Hand) -> None:
         """Let the scene have these hands from now on."""
-        self.scene = pc.Scene((BALL,), hands=hands)
+        self.scene = pc.Scene((self.item,), hands=hands)
 
     def run(self, count: int) -> list[Any]:
         """Run ticks, and return the gains of the last row of each."""
@@ -99,21 +108,61 @@ def test_a_second_hand_is_new_while_the_first_is_known() -> None:
     assert np.any(loop.run(10)[-1])
 
 
+def move(hand: pc.Hand, x: float) -> pc.Hand:
+    return hand.transform(pc.Pose((x, 0.0, 0.0)))
+
+
+def rename(hand: pc.Hand, name: str) -> pc.Hand:
+    return pc.Hand(hand.joints, side=hand.side, name=name)
+
+
 @pytest.mark.parametrize("background", [False, True])
 def test_hands_that_are_known_do_not_interrupt_the_output(background: bool) -> None:
     gone = pc.Hand(np.full((26, 3), np.nan), side="right")
-    stale = pc.Hand(LEFT.joints, side="left", time=-10.0)  # the tracker no longer measures it
-    loop = Loop(RIGHT, stale, background=background)
+    loop = Loop(RIGHT, background=background)
     assert np.any(loop.run(1))
     loop.end_solve(ready=False)
-    for hands in [
-        (gone, stale),
-        (RIGHT, stale),
-        (RIGHT.transform(pc.Pose((0.001, 0.0, 0.0))), stale),
-        (RIGHT,),
-    ]:
+    for hands in [(gone,), (RIGHT,), (move(RIGHT, 0.001),), (move(RIGHT, 0.05),), ()]:
         loop.show(*hands)
         assert all(np.any(gains) for gains in loop.run(3))
+
+
+def test_a_hand_that_is_no_longer_measured_does_not_interrupt_the_output() -> None:
+    loop = Loop(RIGHT, background=True)
+    for k in range(5):  # with other values each time
+        loop.show(RIGHT, pc.Hand(move(LEFT, 0.001 * k).joints, side="left", time=-0.2))
+        assert all(np.any(gains) for gains in loop.run(5))
+
+
+@pytest.mark.parametrize(
+    "after",
+    [
+        (move(RIGHT, 0.1), LEFT),
+        (rename(RIGHT, "left"), rename(LEFT, "right")),
+        (move(RIGHT, -0.1), pc.Hand(np.full((26, 3), np.nan), side="left")),
+    ],
+    ids=["jump", "names", "jump and loss"],
+)
+def test_a_hand_that_jumps_is_new(after: tuple[pc.Hand, ...]) -> None:
+    loop = Loop(RIGHT, LEFT, background=True)
+    assert np.any(loop.run(1))
+    loop.end_solve(ready=False)
+    loop.show(*after)
+    assert not np.any(loop.run(10)[SILENT_AFTER:])
+
+
+def test_a_technique_that_moves_a_focus_fades_out_too() -> None:
+    focus = replace(BALL, technique=pc.STM(frequency=50.0, along="outline"))
+    loop = Loop(background=False, item=focus, peak=1.0)
+    assert np.any(loop.run(1))
+    loop.show(RIGHT)
+    rows = [loop.device.frames[-1], *(loop.run(1) and loop.device.frames[-1] for _ in range(2))]
+    levels = np.concatenate([np.abs(f.gains(loop.device.capability)).max(axis=1) for f in rows])
+    step = Smoothing().rate / loop.device.rate + ROUNDING  # type: ignore[operator]
+    falls = levels[1:] - levels[:-1]
+    first = int((levels < 0.01).argmax())
+    assert 0 < first < len(levels)
+    assert (falls[:first] > -step * levels[0]).all()
 
 
 @pytest.mark.parametrize("peak", [float("inf"), 500.0])

@@ -20,6 +20,11 @@ HOLD_TIME, FADE_TIME = 0.05, 0.1
 MAX_IGNORED_DISTANCE = 5e-4
 
 
+def is_gone(hand: Hand, t: float) -> bool:
+    """Return whether a hand that is new at time t [s] is not there: it is lost, or was measured too long ago."""
+    return hand.lost or (hand.time is not None and t - hand.time >= HOLD_TIME + FADE_TIME)
+
+
 class HandTrack:
     """Predicts one hand between updates. A lost or late hand is held in place, and then fades.
 

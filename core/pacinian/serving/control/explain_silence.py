@@ -30,7 +30,7 @@ NOT_PRESSING = (
     "no object presses: check that their pressure is above 0 and that they lie in the workspace"
 )
 ZONES = "the quiet zones leave no sound where an object presses: move them, or make them smaller"
-PAUSE = "nothing presses at this moment: an envelope is at 0, or the sound has just begun"
+PAUSE = "nothing presses at this moment: an envelope is at 0, a hand has just come, or the sound has just begun"
 INFEASIBLE, FAILED = "infeasible", "failed"  # names of `Status.infeasible` and `Status.failed`
 # Reasons in `State.skipped` for which the array cannot press on what a hand touches.
 UNREACHED_REASONS = SAMPLES_HARDLY_REACHED, SAMPLES_TOO_FAR, SAMPLES_ON_TRANSDUCER
