@@ -427,7 +427,9 @@ def test_what_stands_still_is_evaluated(cycle: int, monkeypatch: pytest.MonkeyPa
     assert renderer.report.skipped["solve, nothing moved"] > 10
 
 
-def test_a_hand_that_comes_back_is_evaluated_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_hand_that_comes_back_or_moves_is_evaluated_at_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     looks: list[int] = []
     hand = HAND.transform(HIGH)
     ball = pc.Volume(
@@ -436,8 +438,17 @@ def test_a_hand_that_comes_back_is_evaluated_at_once(monkeypatch: pytest.MonkeyP
     made = render(pc.Scene((ball,), hands=(hand,)))._pipeline.played.solutions.rows[0]
     limit = SkinLimit(pc.Session(ONE, AIR))
     monkeypatch.setattr(limit, "_evaluate_peak", lambda *given: float(looks.append(1) or 1.0))
-    skin = PosedSkin(hand)
-    for skins, evaluated in (((skin,), 1), ((skin,), 0), ((), 0), ((skin,), 1)):
+    skin, near, far, other = (
+        (PosedSkin(one),)
+        for one in (
+            hand,
+            hand.transform(pc.Pose((0.004, 0.0, 0.0))),
+            hand.transform(pc.Pose((0.014, 0.0, 0.0))),
+            pc.Hand(hand.joints, name="other"),
+        )
+    )
+    steps = (skin, 1), (skin, 0), ((), 0), (skin, 1), (near, 0), (far, 1), (far, 0), (other, 1)
+    for skins, evaluated in steps:
         before = len(looks)
         limit.enforce(made, skins, 100.0)
         assert len(looks) - before == evaluated
