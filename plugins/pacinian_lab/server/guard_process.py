@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 MAX_WAIT = 20.0  # [s] longest wait for an answer
 PROMPT = 100e-6  # [s] longest time to write a value; runs with a slower write do not count
 POLL_INTERVAL = 50e-6  # [s] between polls
+MAX_FRAME_WAIT = 0.2  # [s] longest wait for the guard to take a frame
 PARENT = """
 import time
 from pacinian.serving.ipc import launched_child, parent_link
@@ -70,14 +71,20 @@ class GuardProcess(Closeable):
 
     def wait(self, so: Callable[[DeviceStatus], bool]) -> DeviceStatus:
         """Wait until `so` accepts the guard's status, and return the status. Raises ServerError after a timeout."""
-        due = time.perf_counter() + MAX_WAIT
+        if (device := self._look_for(so, MAX_WAIT)) is None:
+            raise ServerError(f"the guard has not answered within {MAX_WAIT:g} s")
+        return device
+
+    def _look_for(self, so: Callable[[DeviceStatus], bool], limit: float) -> DeviceStatus | None:
+        """Return the guard's status once `so` accepts it; None after a time `limit` [s]."""
+        due = time.perf_counter() + limit
         while time.perf_counter() < due:
             if (read := self._memory["device"].read()) is not None:
                 device = msgspec.msgpack.decode(read[1], type=DeviceStatus)
                 if so(device):
                     return device
             time.sleep(POLL_INTERVAL)
-        raise ServerError(f"the guard has not answered within {MAX_WAIT:g} s")
+        return None
 
     def permit(self, until: float, stopped: int = 0) -> None:
         """Write the permit of this epoch."""
@@ -91,7 +98,10 @@ class GuardProcess(Closeable):
         device = self.wait(lambda device: device.generation > 0 and not device.sounding)
         self._epoch += 1
         self.permit(time.perf_counter() + MAX_WAIT)
-        while True:  # repeat if the machine was so late that the frame was stale
+        due = time.perf_counter() + MAX_WAIT
+        # Repeat if the machine was so late that the frame was stale, and if the guard dropped the frame, because it
+        # read the permit before this one, and then the frame.
+        while time.perf_counter() < due:
             self._sequence += 1
             now = time.perf_counter()
             head = FrameHead(
@@ -100,9 +110,14 @@ class GuardProcess(Closeable):
             self._memory["frame"].write(head.pack(), self._levels)
             prompt = time.perf_counter() - now < PROMPT
             frames = device.frames
-            device = self.wait(lambda device, frames=frames: device.frames > frames)  # type: ignore[misc]
-            if device.sounding and prompt:
-                return device, now
+            taken = self._look_for(
+                lambda device, frames=frames: device.frames > frames,  # type: ignore[misc]
+                MAX_FRAME_WAIT,
+            )
+            device = taken or device
+            if taken is not None and taken.sounding and prompt:
+                return taken, now
+        raise ServerError(f"the guard has not sounded within {MAX_WAIT:g} s")
 
     def silent(self, reason: str, before: DeviceStatus) -> float | None:
         """Return when the output fell silent, by the guard's clock [s], or None if the reason was another one."""

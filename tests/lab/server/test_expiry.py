@@ -1,8 +1,13 @@
 from __future__ import annotations
 
+import threading
+
+import pytest
 from rich.console import Console
 
+from pacinian.serving.settings import Settings
 from pacinian_lab.server.expiry import BOUND, Sizes, measure, tabulate
+from pacinian_lab.server.guard_process import GuardProcess
 
 
 def test_from_the_end_of_a_permit_to_silence_it_is_at_most_a_round() -> None:
@@ -19,3 +24,14 @@ def test_from_the_end_of_a_permit_to_silence_it_is_at_most_a_round() -> None:
     console = Console(width=120, record=True)
     console.print(tabulate(rows))
     assert f"{1e3 * BOUND:.3f}" in console.export_text()
+
+
+def test_a_frame_that_the_guard_drops_is_sent_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The guard drops frames of another epoch than that of the permit that it has read."""
+    with GuardProcess(Settings()) as real:
+        permit = real.permit
+        monkeypatch.setattr(
+            real, "permit", lambda until: threading.Timer(0.05, permit, (until,)).start()
+        )
+        status, _ = real.sound()
+        assert status.sounding
