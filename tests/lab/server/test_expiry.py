@@ -1,13 +1,16 @@
 from __future__ import annotations
 
 import threading
+from typing import TYPE_CHECKING
 
-import pytest
 from rich.console import Console
 
 from pacinian.serving.settings import Settings
 from pacinian_lab.server.expiry import BOUND, Sizes, measure, tabulate
 from pacinian_lab.server.guard_process import GuardProcess
+
+if TYPE_CHECKING:
+    import pytest
 
 
 def test_from_the_end_of_a_permit_to_silence_it_is_at_most_a_round() -> None:
