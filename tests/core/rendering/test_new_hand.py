@@ -151,18 +151,36 @@ def test_a_hand_that_jumps_is_new(after: tuple[pc.Hand, ...]) -> None:
     assert not np.any(loop.run(10)[SILENT_AFTER:])
 
 
+def find_rows(loop: Loop) -> Any:
+    """Run a tick, and return its gains, (K, N)."""
+    loop.run(1)
+    return loop.device.frames[-1].gains(loop.device.capability)
+
+
 def test_a_technique_that_moves_a_focus_fades_out_too() -> None:
     focus = replace(BALL, technique=pc.STM(frequency=50.0, along="outline"))
     loop = Loop(background=False, item=focus, peak=1.0)
-    assert np.any(loop.run(1))
+    before = find_rows(loop)
     loop.show(RIGHT)
-    rows = [loop.device.frames[-1], *(loop.run(1) and loop.device.frames[-1] for _ in range(2))]
-    levels = np.concatenate([np.abs(f.gains(loop.device.capability)).max(axis=1) for f in rows])
+    levels = np.abs(np.concatenate([before, *(find_rows(loop) for _ in range(2))])).max(axis=1)
     step = Smoothing().rate / loop.device.rate + ROUNDING  # type: ignore[operator]
     falls = levels[1:] - levels[:-1]
     first = int((levels < 0.01).argmax())
     assert 0 < first < len(levels)
     assert (falls[:first] > -step * levels[0]).all()
+
+
+def test_with_new_limits_the_output_begins_from_silence_as_without() -> None:
+    begins = []
+    for limits in (pc.Limits(gain=1.0), pc.Limits(gain=0.99)):
+        loop = Loop(background=False, max_cycle_frames=1, limits=pc.Limits(gain=1.0))
+        loop.show(RIGHT)
+        loop.renderer.limits = limits
+        levels = np.abs(np.concatenate([find_rows(loop) for _ in range(6)])).max(axis=1)
+        silent = int((levels < 0.01).argmax())
+        begins.append(levels[silent:][levels[silent:] > 0.01][0])
+    assert begins[1] == pytest.approx(begins[0], abs=ROUNDING)
+    assert begins[1] < 0.8 * levels[-1]
 
 
 @pytest.mark.parametrize("peak", [float("inf"), 500.0])
