@@ -159,12 +159,10 @@ class Modulator:
         carriers = self._carriers[: len(solved)]
         for carrier, one in zip(carriers, solved, strict=True):
             carrier[:] = one.gains
-        # an intended jump of a focus is not limited, and new limits apply from the first row on
+        # An intended jump of a focus is not smoothed. New limits apply from the first row on; from silence they hold.
         limited = self._limits is not None and self._limits != play.limits
-        limited = limited and bool(
-            self.smoother.gains.any()
-        )  # on the way from silence, all limits hold
-        settings = self._jumps if limited or play.each else self._smoothing
+        jumps = play.each or (limited and self.smoother.gains.any())
+        settings = self._jumps if jumps else self._smoothing
         self._limits = play.limits
         if solved != self._followed:
             self._span = ticks * len(self.times)
