@@ -108,7 +108,7 @@ class Pipeline:
         self.played = self._before = empty
         """The result that the last frame plays."""
         self._silenced = False  # whether the last frame is silent because of a new hand
-        # a scene whose hands get no more than the limit from a result
+        # the last scene and result for which no hand might get more than the limit
         self._harmless: tuple[Scene, SolveResult] = empty.scene, empty
         self._taken: SolveResult | None = None  # of this tick
         self.lag = 0.0

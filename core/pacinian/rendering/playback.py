@@ -120,7 +120,7 @@ class Playback:
         return self._steering.repeat(self.modulator.copy_carriers())
 
     def find_highest_amplitudes(self, play: SolutionSequence) -> Floats:
-        """Return the highest amplitude of each transducer while the output passes to `play`, (N,)."""
+        """Return the highest amplitude of each transducer from now until the output has reached `play`, (N,)."""
         parts = [
             one.gains[None] if one.contributions is None else one.contributions
             for one in dict.fromkeys(play.rows)

@@ -124,9 +124,9 @@ class SkinLimit:
         return scale_down(made, limit, peak) if peak > limit else made
 
     def holds_for(self, hand: Hand, amplitudes: Floats, limit: float) -> bool:
-        """Return whether transducers with these amplitudes, (N,), cannot exceed the limit [Pa] at a hand.
+        """Return whether transducers with these amplitudes, (N,), keep the limit [Pa] at a hand, whatever their phases.
 
-        Whatever their phases are. The hand is not lost, and need not be known.
+        hand: one that is not lost; its skin need not be known.
         """
         thick = 0.0 if hand.joints is None else float(hand.radii.max())
         q = hand.carriers

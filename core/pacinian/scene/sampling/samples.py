@@ -93,6 +93,8 @@ class Samples:
         if not self._is_alike(other):
             return False
         moved = [self.positions - other.positions]
+        if (self.capsules is None) != (other.capsules is None):
+            return False
         if self.capsules is not None and other.capsules is not None:
             if self.capsules.shape != other.capsules.shape:
                 return False
