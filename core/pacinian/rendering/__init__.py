@@ -25,6 +25,7 @@ Solve
     reachability.hpp          sound power that reaches a place, from a grid of cells: called by reachability.py
     frame_cycle.py            a region rendered by several frames in turn, whose mean meets the target; their number
     skin_limit.py             the limit of the pressure on all skin that is seen, also between the samples
+    new_hand_check.py         silence while a hand is new and might get more than that limit
 From gains to levels
     playback.py               one frame in each tick from what has been solved; calls those below
     modulator.py              rows of gains: follows solutions, plays cycles, applies envelopes
@@ -42,6 +43,7 @@ What is reported
     report.py                 counts, tick times and their stages, errors, faults
     deviation_log.py          what was left out or changed, by object and reason, over time
     frame_deviations.py       what one frame leaves out or changes
+    weak_samples.py           samples that press less than asked, as far as skin could feel it
     scene_warnings.py         what to warn about before a run
     felt_monitor.py           keeps what some ticks have emitted, and measures it in the background
     measurement_schedule.py   when the emitted field is measured

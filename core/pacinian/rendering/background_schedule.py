@@ -40,6 +40,7 @@ MAX_INTERVAL = 0.012
 REST_INTERVAL = 0.05
 # Time in which the last solution fades out before silence [s]. Clients wait 20 ms for silence.
 END_SPREAD = 0.006
+MAX_LEAD = 0.02  # longest time ahead for which a solve is made [s]
 # Number of recent solves whose median duration and interval predict those of the next solve.
 SOLVES_SEEN = 5
 
@@ -75,6 +76,15 @@ class BackgroundSchedule:
     def max_ticks(self) -> int:
         """Largest number of ticks that a solve in the background is expected to take."""
         return max(MIN_MAX_TICKS, self._count_ticks(MAX_SOLVE_TIME))
+
+    @property
+    def lead(self) -> float:
+        """Time from the beginning of the next solve in the background until frames reach its result [s].
+
+        The loop will take the result after as many ticks as it took the last results, and interpolated frames reach it
+        when the loop takes the following one.
+        """
+        return min((self.ticks + self.interval) * self.period, MAX_LEAD)
 
     def _count_ticks(self, seconds: float) -> int:
         """Return the number of ticks in a time [s], at least 1."""

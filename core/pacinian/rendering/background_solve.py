@@ -65,7 +65,7 @@ class BackgroundSolve(Generic[T]):
         """Wait for the job that runs, and return its result, or raise its exception."""
         assert self._job is not None
         job, future = self._job
-        if not self.deferred:
+        if not (self.deferred or future.done()):
             wait([future])  # an interruption leaves it running
         self._job = None
         return job() if self.deferred else future.result()

@@ -97,7 +97,8 @@ class Deviations:
         self.ticks += 1
         last = self.spans[-1] if self.spans else None
         if last is not None:
-            if last.tick + last.ticks == tick and last.objects == objects:
+            same = last.objects is objects or last.objects == objects
+            if same and last.tick + last.ticks == tick:
                 last.ticks, last.until = last.ticks + 1, time
                 return
             _add_span(self._totals, last)

@@ -31,7 +31,7 @@ def group_amplitudes(solved: CachedSolution, t: Floats, switches: bool) -> Singl
     groups = solved.groups
     if groups is None or not len(groups):
         return np.ones((1, len(t)), dtype=np.float32)
-    return np.sqrt(groups.strength(t, switches)).astype(np.float32)
+    return groups.amplitude(t, switches)
 
 
 def mean_amplitude(solved: CachedSolution, a: Singles) -> Singles:

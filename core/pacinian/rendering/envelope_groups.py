@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from pacinian.scene.sampling.samples import Samples
     from pacinian.solving.propagator import Propagator
     from pacinian.solving.solution import Solution
-    from pacinian.types import Floats, Gains, Indices
+    from pacinian.types import Floats, Gains, Indices, Singles
 
 MU = 1e-6  # regularisation of the contributions, relative to the mean square pressure at full drive
 
@@ -56,6 +56,20 @@ class EnvelopeGroups:
             isinstance(item.envelope, Constant) and isinstance(item.technique, Simultaneous)
             for item in self.items
         )
+
+    def amplitude(self, t: Floats, switches: bool = False) -> Singles:
+        """Return the factor on the sound pressure of each group at times t, (K,) [s]: 0..1, (groups, K).
+
+        switches: whether square waves have steps.
+        """
+        if self.steady:
+            return self._constant_amplitude.repeat(len(t), axis=1)
+        return np.sqrt(self._compute_strength(t, switches)).astype(np.float32)
+
+    @cached_property
+    def _constant_amplitude(self) -> Singles:
+        """Amplitude of each group at all times, if it is `steady`, (groups, 1)."""
+        return np.sqrt(self._constant).astype(np.float32)
 
     def strength(self, t: Floats, switches: bool = False) -> Floats:
         """Return the factor on the radiation pressure of each group at times t, (K,) [s]: 0..1, (groups, K).

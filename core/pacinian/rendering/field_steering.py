@@ -34,7 +34,7 @@ MAX_TREMBLE = 3e-4  # samples that stay within this distance of a place count as
 MAX_MISPLACEMENT = 4e-4
 # Shortest and longest time between the two places from which a velocity is computed [s].
 MIN_INTERVAL, MAX_INTERVAL = 5e-3, 0.05
-MAX_LEAD = 0.03  # longest time for which samples are assumed to keep their velocity [s]
+MAX_EXTRAPOLATION = 0.03  # longest time for which samples are assumed to keep their velocity [s]
 MAX_RATIO = 2.0  # factors on gains are limited to 1 / MAX_RATIO to MAX_RATIO in amplitude
 
 
@@ -67,7 +67,7 @@ class Motion(NamedTuple):
 
     def find_place(self, t: float) -> Floats:
         """Return the centre of the samples at time t [s], (3,) [m]."""
-        ahead = min(max(t - self.time, -MAX_LEAD), MAX_LEAD)
+        ahead = min(max(t - self.time, -MAX_EXTRAPOLATION), MAX_EXTRAPOLATION)
         return np.asarray(self.centre + self.shift + ahead * self.velocity)
 
 
@@ -164,7 +164,7 @@ class Steering:
     """Steers rows of gains along a motion."""
 
     def __init__(self, array: Array, medium: Air) -> None:
-        self._array, self._medium = array, medium
+        self._data = KernelData.prepare(array, medium)
         self.reset()
 
     def reset(self) -> None:
@@ -216,8 +216,10 @@ class Steering:
             self._factor = self.find_factors(motion.centre, self._place)
         before = self._factor
         if not self.still:
-            self._left = max(self._left - 1, 0)
-            self._place = motion.find_place(t) + self._left / self._span * self._behind
+            self._place = motion.find_place(t)
+            if self._left:
+                self._left -= 1
+                self._place = self._place + self._left / self._span * self._behind
             self._factor = self.find_factors(motion.centre, self._place)
         K = len(rows)
         if K == 1 or before is self._factor:
@@ -232,16 +234,19 @@ class Steering:
 
     def find_factors(self, centre: Floats, place: Floats) -> Gains:
         """Return the factor on each gain that moves the field around `centre` to `place`, (3,) [m]: (N,)."""
-        return find_factors(self._array, self._medium, centre, place)
+        return _find_factors(self._data, centre, place)
 
 
 def find_factors(array: Array, medium: Air, centre: Floats, place: Floats) -> Gains:
     """Return the factor on each gain that moves the field around `centre` to `place`, (3,) [m]: (N,)."""
+    return _find_factors(KernelData.prepare(array, medium), centre, place)
+
+
+def _find_factors(data: KernelData, centre: Floats, place: Floats) -> Gains:
     from pacinian.native import rendering as kernels
 
-    data = KernelData.prepare(array, medium)
-    factors: Gains = np.empty(len(array), np.complex64)
+    factors: Gains = np.empty(data.r.shape[1], np.complex64)
     ends = (np.array([centre, place]) - data.origin).astype(np.float32)
-    turns, exponent = float(data.law[0]), float(data.law[1])
+    turns, exponent = data.law[:2].tolist()
     kernels.find_factors(data.r, turns, exponent, ends[0], ends[1], MAX_RATIO, factors)
     return factors

@@ -119,19 +119,18 @@ class Modulator:
             solved = [solved[(self._row + k) % count] for k in range(len(self.times))]
         flat = self.smoother.settled and len(solved) == 1 and solved == self._followed
         flat = flat and not play.cycle and not self._fade
+        at = t + self.times
         if flat:
             self._smooth[:] = self.smoother.gains
             self.smoother.rest()
             self._fade.end()
+            self._write_steady(solved[0], group_amplitudes(solved[0], at, self.switches))
         else:
             self._follow(solved, play, ticks)
-        at = t + self.times
-        if flat:
-            self._write_steady(solved[0], group_amplitudes(solved[0], at, self.switches))
-        sounding = solved * (len(at) // len(solved)) if self._fade.cycles else solved
-        for n, one in enumerate(() if flat else sounding):
-            own = slice(n, len(at), len(sounding))  # its rows
-            self._rows[own] = self._mix(one, own, at[own], self._smooth[own])
+            sounding = solved * (len(at) // len(solved)) if self._fade.cycles else solved
+            for n, one in enumerate(sounding):
+                own = slice(n, len(at), len(sounding))  # its rows
+                self._rows[own] = self._mix(one, own, at[own], self._smooth[own])
         self._fade.advance(len(at))
         self._row += len(at)
         self.steady = flat and solved[0].steady

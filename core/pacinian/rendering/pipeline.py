@@ -11,13 +11,18 @@ from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING
 
-from pacinian.rendering.background_schedule import GOOD_SOLVE_TIME, BackgroundSchedule
+from pacinian.rendering.background_schedule import (
+    GOOD_SOLVE_TIME,
+    MAX_LEAD,
+    BackgroundSchedule,
+)
 from pacinian.rendering.background_solve import BackgroundSolve, start_daemon
 from pacinian.rendering.emitted_measurement import Probe
 from pacinian.rendering.felt_monitor import FeltMonitor
 from pacinian.rendering.frame_cycle import Cycle, split_frames
 from pacinian.rendering.frame_deviations import FrameDeviations
 from pacinian.rendering.measurement_schedule import Measurement
+from pacinian.rendering.new_hand_check import NewHandCheck
 from pacinian.rendering.playback import Playback
 from pacinian.rendering.report import StageTimer
 from pacinian.rendering.row_times import compute_row_times
@@ -29,7 +34,6 @@ from pacinian.rendering.solution_sequence import SolutionSequence, SolveResult
 from pacinian.rendering.solve_deadline import SolveDeadline
 from pacinian.rendering.steered_solver import STEERED_TIME_FACTOR
 from pacinian.rendering.warmup import load_envelopes, try_out
-from pacinian.scene.sampling.hand_tracking import is_gone
 from pacinian.scene.sampling.sample_counts import SampleCounts
 from pacinian.scene.sampling.samples import no_samples
 from pacinian.scene.scene import Scene
@@ -50,7 +54,6 @@ if TYPE_CHECKING:
 
 # The loop waits for a background solve that has run for this long [s], or for `max_ticks` ticks if that is longer.
 WAIT_FOR_SOLVE_AFTER = 0.02
-MAX_LEAD = 0.02  # longest time ahead for which a solve is made [s]
 
 
 class Pipeline:
@@ -82,6 +85,8 @@ class Pipeline:
         cycle.coarsens = not settings.strict
         self.solver = SampleSolver(session, self.playback.times, cycle)
         self._skipped = sampler.skipped = self.solver.skipped  # of a job, until it is taken
+        limit = settings.peak if settings.adaptive else math.inf
+        self._new_hands = NewHandCheck(limit, self.playback, self.solver.skin_limit)
         self._scene_solver = SceneSolver(
             sampler, self.solver, self.playback, settings, clocks.job.now
         )
@@ -108,8 +113,6 @@ class Pipeline:
         self.played = self._before = empty
         """The result that the last frame plays."""
         self._silenced = False  # whether the last frame is silent because of a new hand
-        # the last scene and result for which no hand might get more than the limit
-        self._harmless: tuple[Scene, SolveResult] = empty.scene, empty
         self._taken: SolveResult | None = None  # of this tick
         self.lag = 0.0
         """Age of the last frame's scene [s]: the last tick's time minus the scene time that the frame was solved for.
@@ -215,12 +218,12 @@ class Pipeline:
         ticks, waits = self._count_ticks(t), self._may_wait(limits, solver)
         if ticks > 1 and not waits:
             self.sampler.rest_until(t - self.period)
-        silenced = self._meets_new_hand(scene, t)
+        silenced = self._new_hands.may_exceed_limit(scene, self.played, t)
         if waits:
             self._solve_in_background(scene, limits, solver, t, ticks)
         elif not (silenced and self.playback.sounds):
             self._solve_now(scene, limits, solver, t)
-        self._silenced = silenced and self._meets_new_hand(scene, t)
+        self._silenced = silenced and self._new_hands.may_exceed_limit(scene, self.played, t)
         self.lag = t - self.played.time
         play = self.played.solutions
         inputs = play.samples, limits, solver, self._silenced
@@ -238,24 +241,6 @@ class Pipeline:
         if not self._silenced:
             self._monitor.watch(scene, self.played, limits, t, ticks)
         return frame
-
-    def _meets_new_hand(self, scene: Scene, t: float) -> bool:
-        """Return whether a hand whose skin is not known might get more than the limit of the pressure on skin.
-
-        Such a hand may be anywhere in the field, so that the output must be silent until a solution knows it.
-        """
-        peak, played = self._settings.peak, self.played
-        if peak == math.inf or not self._settings.adaptive:
-            return False
-        if self._harmless[0] is scene and self._harmless[1] is played:
-            return False
-        new = [hand for hand in scene.hands if not (is_gone(hand, t) or played.knows(hand))]
-        if new:
-            amplitudes = self.playback.find_highest_amplitudes(played.solutions)
-            if not all(self.solver.skin_limit.holds_for(hand, amplitudes, peak) for hand in new):
-                return True
-        self._harmless = scene, played
-        return False
 
     def _count_ticks(self, t: float) -> int:
         """Return the number of ticks from the last one to that at time t [s]: 1, unless the loop has rested."""
@@ -400,14 +385,11 @@ class Pipeline:
     def _find_play_time(self, t: float, in_background: bool) -> float:
         """Return the scene time for which a job that begins at time t solves [s].
 
-        In the background, this is the time at which the interpolated frames will reach the result: the loop will take
-        the result after as many ticks as it took the last results, and frames reach it when the loop takes the
-        following one. Never returns an earlier time than the last call, unless time jumps back.
+        In the background, this is the time at which frames will reach its result. Never returns an earlier time than
+        the last call, unless time jumps back.
         """
-        ticks = self.schedule.ticks + self.schedule.interval
-        lead = min(ticks * self.period, MAX_LEAD) if in_background else 0.0
         last = self._play_time if self._play_time <= t + MAX_LEAD else -math.inf
-        self._play_time = max(t + lead, last)
+        self._play_time = max(t + (self.schedule.lead if in_background else 0.0), last)
         return self._play_time
 
     def _play(self, outcome: SolveResult) -> None:
@@ -439,7 +421,7 @@ class Pipeline:
         return self._seen or self.played.scene
 
     @property
-    def labels(self) -> set[str]:
+    def labels(self) -> frozenset[str]:
         """Labels of all objects that the last frame concerns, including those that end in it."""
         return self._before.labels | self.played.labels
 

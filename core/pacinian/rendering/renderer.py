@@ -38,7 +38,7 @@ from pacinian.solving.blas import limit_blas_threads
 from pacinian.solving.problem import Limits
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Collection
 
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
@@ -486,7 +486,7 @@ class Renderer(Closeable):
         return TickOutcome(sent, late, pipeline.sample_counts, deviations)
 
     @property
-    def _labels(self) -> set[str]:
+    def _labels(self) -> Collection[str]:
         """Labels of the objects that a tick without a frame concerns."""
         objects = self.scene.objects if isinstance(self.scene, Scene) else ()
         return self._pipeline.labels or {label_object(item, i) for i, item in enumerate(objects)}

@@ -168,7 +168,7 @@ class Report:
     def as_asked(self) -> bool:
         """Whether the output was what the scene asked for: no deviation, no late tick, no fault, no warning.
 
-        Losses that skin does not feel are no deviations; `frame_deviations.py` has the limits.
+        Losses that skin does not feel are no deviations; `weak_samples.py` has the limits.
         """
         troubles = self.deviations.ticks, self.late_ticks, self.fault_count, len(self.warnings)
         return not any(troubles)

@@ -3,14 +3,23 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pacinian.rendering.frame_deviations import describe_solve
 from pacinian.rendering.scene_warnings import is_too_fast
 from pacinian.rendering.solution_sequence import SolutionSequence, SolveResult
-from pacinian.scene.sampling.sample_counts import FAR, ON_TRANSDUCER, SampleCounts, label_object
+from pacinian.rendering.weak_samples import WeakSamples, count_weak_samples, find_rising
+from pacinian.scene.sampling.sample_counts import (
+    FAR,
+    ON_TRANSDUCER,
+    SampleCounts,
+    label_object,
+    label_samples,
+)
 from pacinian.scene.sampling.sampler import SamplingMode
 
 if TYPE_CHECKING:
@@ -44,6 +53,7 @@ class SceneSolver:
     ) -> None:
         self._sampler, self._sample_solver, self._playback = sampler, sample_solver, playback
         self._settings, self._now = settings, now
+        self._weak: tuple[tuple[object, ...], WeakSamples] = (), WeakSamples(Counter(), Counter())
 
     def prepare(self, limits: Limits, solver: Solver) -> None:
         """Tell the sampler what the next solve's limits and solver mean for it."""
@@ -94,10 +104,22 @@ class SceneSolver:
             )
             seconds = self._now() - begin
             stages.enter("drive")  # ends "solve"
+        rising = find_rising(solutions.samples, counts)
+        deviations = describe_solve(counts, fast, self._count_weak_samples(solutions, rising))
+        labels = frozenset((*counts.labels, *label_samples(solutions.samples)))
         hands = {skin.hand.name: skin.hand.carriers for skin in sample_solver.skins}
         return SolveResult(
-            scene, counts, solutions, solver, fresh, pressures, at, seconds, fast, hands
-        )
+            scene, counts, solutions, solver, fresh, pressures, at, seconds, fast, hands, labels,
+            deviations,
+        )  # fmt: skip
+
+    def _count_weak_samples(self, solutions: SolutionSequence, rising: set[str]) -> WeakSamples:
+        """Count the samples that press less than asked; anew only if these solutions, or what rises, are others."""
+        rows, missed, samples = solutions.rows, solutions.missed, solutions.solved_samples
+        key = rows, missed, samples, rising
+        if key != self._weak[0]:
+            self._weak = key, count_weak_samples(solutions, rising)
+        return self._weak[1]
 
     def _note_unreachable(self, counts: SampleCounts) -> None:
         """Note the samples that no sound can reach."""

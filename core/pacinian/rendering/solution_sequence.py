@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from pacinian.acoustics.pressure import sound_pressure
 from pacinian.acoustics.skin_facing import SkinFacing
-from pacinian.scene.sampling.sample_counts import label_samples
+from pacinian.rendering.deviation_log import NOTHING
 from pacinian.solving.problem import Limits, Targets, number_regions
 
 if TYPE_CHECKING:
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from pacinian.plugins.solver import Solver
     from pacinian.rendering.cached_solution import CachedSolution
+    from pacinian.rendering.deviation_log import Reasons
     from pacinian.rendering.field_steering import Motion
     from pacinian.scene.hands.hand import Hand
     from pacinian.scene.sampling.sample_counts import SampleCounts
@@ -45,7 +46,8 @@ class SolutionSequence:
     gains will grow once the samples reach the full pressure of their objects. hurried: whether regions get fewer frames
     than they could have, for want of time. missed: in a cycle, indices of the samples that get clearly less than their
     target from all frames together, by the last solve that each sample was part of. motion: how `samples` have moved
-    since the solve; None if the field stays where it was solved for.
+    since the solve; None if the field stays where it was solved for. before_motion: the samples of the solve, if
+    `samples` have moved since.
     """
 
     samples: Samples
@@ -61,6 +63,12 @@ class SolutionSequence:
     hurried: bool = False
     missed: tuple[int, ...] = ()
     motion: Motion | None = None
+    before_motion: Samples | None = None
+
+    @property
+    def solved_samples(self) -> Samples:
+        """The samples where they were solved for."""
+        return self.samples if self.before_motion is None else self.before_motion
 
     @cached_property
     def muted(self) -> SolutionSequence:
@@ -105,7 +113,8 @@ class SolveResult(NamedTuple):
     pressure amplitude at the played samples, as emitted where they were solved for, (M,) [Pa]; None if it is not known.
     time: scene time for which this was solved [s]. seconds: duration in the background [s]; NaN if it ran in a tick.
     too_fast: labels of the objects whose vibration the device cannot play. seen_hands: joints or vertices of the hands
-    whose skin was known, by name, (P, 3) [m].
+    whose skin was known, by name, (P, 3) [m]. labels: of all objects that it concerns. deviations: what it leaves out
+    or changes, see `describe_solve`.
     """
 
     scene: Scene
@@ -118,6 +127,8 @@ class SolveResult(NamedTuple):
     seconds: float = math.nan
     too_fast: tuple[str, ...] = ()
     seen_hands: Mapping[str, Floats] = MappingProxyType({})
+    labels: frozenset[str] = frozenset()
+    deviations: Reasons = NOTHING
 
     def knows(self, hand: Hand) -> bool:
         """Return whether the skin of a hand was known roughly where it is, or the hand was sent then as it is now."""
@@ -132,8 +143,3 @@ class SolveResult(NamedTuple):
     def tells_time(self) -> bool:
         """Whether its duration is representative: something was solved, or there was nothing to solve."""
         return bool(self.fresh) or not len(self.solutions.samples)
-
-    @property
-    def labels(self) -> set[str]:
-        """Labels of all objects that it concerns."""
-        return {*self.sample_counts.labels, *label_samples(self.solutions.samples)}

@@ -94,7 +94,9 @@ class SteeredSolver:
             assert last.motion is not None
             if motion.rests_like(last.motion):
                 return last  # nothing has changed
-        self._result = replace(solutions, samples=samples, motion=motion)
+        self._result = replace(
+            solutions, samples=samples, motion=motion, before_motion=solutions.samples
+        )
         return self._result
 
 

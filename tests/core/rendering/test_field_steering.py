@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from types import SimpleNamespace
 from typing import Any
 
@@ -28,6 +29,7 @@ from pacinian.rendering.steered_solver import (
     STEERED_TIME_FACTOR,
     SteeredSolver,
 )
+from pacinian.rendering.weak_samples import count_weak_samples
 from pacinian.testing import ManualClock
 
 from .manual_background import solve_beside
@@ -438,3 +440,28 @@ def test_a_ball_that_rolls_has_samples_that_move_as_one() -> None:
     )
     after = sampler.sample(pc.Scene((rolled,)), 0.01)
     assert after.find_shift(before, 1e-9) == pytest.approx([0.002, 0.0, 0.0])
+
+
+def test_what_is_weak_in_two_frames_is_told_from_where_they_were_solved_for() -> None:
+    """Their mean counts. While the field is steered, their samples are elsewhere."""
+    ball = replace(BALL, shape=pc.Sphere(0.03), radiation_pressure=8.0)  # beyond the array's limit
+
+    def scene(t: float) -> pc.Scene:
+        x = 2e-4 * max(0, round(t / PERIOD) - 40)
+        return pc.Scene((replace(ball, pose=pc.Pose(tuple(CENTRE + np.array([x, 0.0, 0.025])))),))
+
+    compared = 0
+    with pc.Renderer(ARRAY, scene, clock=ManualClock(), max_cycle_frames=2) as renderer:
+        solve_beside(renderer, 2)
+        for k in range(60):
+            renderer.tick(k * PERIOD)
+            played = renderer.played
+            if played.motion is not None and played.motion.shift.any():
+                assert played.solved_samples is not played.samples
+                if played.cycle and all(one.whole is played.solved_samples for one in played.rows):
+                    there = dataclasses.replace(
+                        played, samples=played.solved_samples, before_motion=None
+                    )
+                    assert count_weak_samples(played, ()) == count_weak_samples(there, ())
+                    compared += 1
+    assert compared

@@ -11,8 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.rendering.frame_deviations import FrameDeviations
+from pacinian.rendering.frame_deviations import FrameDeviations, describe_solve
 from pacinian.rendering.sample_solver import MISSED_BELOW
+from pacinian.rendering.weak_samples import count_weak_samples
 from pacinian.solving.felt_regions import FeltRegion, FeltSums
 from pacinian.testing import ManualClock
 from pacinian_lab.regions.contacts import CONTACTS
@@ -175,7 +176,10 @@ def weaken(
     rows = (replace(one, solution=solution, missed=missed),)
     samples = one.samples
     told = {item.name: share[samples.objects == i].tolist() for i, item in enumerate(samples.items)}
-    return result._replace(solutions=replace(result.solutions, rows=rows)), told
+    solutions = replace(result.solutions, rows=rows)
+    weak = count_weak_samples(solutions, ())
+    deviations = describe_solve(result.sample_counts, (), weak)
+    return result._replace(solutions=solutions, deviations=deviations), told
 
 
 def describe(result: SolveResult) -> Any:
