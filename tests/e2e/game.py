@@ -56,7 +56,7 @@ class Game:
         angle = TURN * time.perf_counter()
         pose = pc.Pose((RADIUS * math.cos(angle), RADIUS * math.sin(angle), HEIGHT))
         self.client.move("thing", pose, wait=False, ttl=60.0)
-        if (state := self.client.look()) is not None:
+        if (state := self.client.poll_state()) is not None:
             self.states.append(state)
 
     def sound(self) -> None:

@@ -227,6 +227,42 @@ def test_arm_stop_and_reset_by_keys_alone(browser: Browser, url: str, server: Ru
         shown.until(lambda: now().output == "silent")
 
 
+def test_a_stop_without_a_connection_raises_an_alarm_and_is_sent_late(
+    browser: Browser, url: str, server: Running
+) -> None:
+    now = functools.partial(status, server.connection)
+    routes: list[WebSocketRoute] = []
+    cut = False
+
+    def between(route: WebSocketRoute) -> None:
+        """Pass all messages on; while `cut`, close each connection."""
+        routes.append(route)
+        if cut:
+            route.close()
+        else:
+            route.connect_to_server()
+
+    with seen(browser, url, live=False) as shown:
+        page = shown.page
+        page.route_web_socket("**/feed*", between)
+        page.reload()
+        shown.until(lambda: shown.get("link") == "live" and shown.get("output") == "silent")
+        cut = True
+        routes[-1].close()
+        shown.until(lambda: shown.get("link") == "closed")
+        page.keyboard.press("Escape")
+        assert shown.text("#stop-alarm-title") == "Stop was NOT sent: the array may still sound"
+        assert "pacinian stop" in shown.text("#stop-alarm-text")
+        assert page.get_attribute("#stop-alarm", "role") == "alert"
+        assert not page.evaluate(CONTRAST)
+        assert now().output == "silent"
+        cut = False
+        shown.until(lambda: now().output == "stopped")
+        shown.until(lambda: not page.is_visible("#stop-alarm"))
+        page.click("#reset")
+        shown.until(lambda: now().output == "silent")
+
+
 def test_who_closes_an_armed_page_lets_go(browser: Browser, url: str, server: Running) -> None:
     now = functools.partial(status, server.connection)
     with seen(browser, url) as shown:

@@ -4,6 +4,7 @@ import { SurfaceBox } from "./field/surface-box";
 import { AutoScale } from "./field/auto-scale";
 import { SkinPlane } from "./field/skin-plane";
 import { SlicePlane } from "./field/slice-plane";
+import { Commands } from "./feed/commands";
 import { address, Feed } from "./feed/feed";
 import type { ToViewer } from "./feed/messages";
 import { Store } from "./feed/store";
@@ -17,6 +18,7 @@ import { Lists } from "./panels/lists";
 import { notices } from "./panels/notices";
 import { OutputPanel } from "./panels/output";
 import { RecordingPanel } from "./panels/recording";
+import { showStopAlarm } from "./panels/stop-alarm";
 import { ContactMaps } from "./panels/contact-maps";
 import { showHoverValue } from "./panels/hover-value";
 import { watchViews } from "./panels/view-buttons";
@@ -28,11 +30,15 @@ import type { View } from "./space/view";
 
 const store = new Store();
 const feed = new Feed(address(location), {
-  opened: () => store.linked("connecting"),
+  opened: () => {
+    commands.sendWaiting();
+    store.linked("connecting");
+  },
   message: (message) => store.take(message),
   closed: () => store.linked("closed"),
 });
-const send = (message: ToViewer): void => void feed.send(message);
+const commands = new Commands((message) => feed.send(message), store);
+const send = (message: ToViewer): void => commands.send(message);
 const slicePlane = new SlicePlane(send);
 const surfaceBox = new SurfaceBox(send);
 const scales = { pressure: new AutoScale(), error: new AutoScale() };
@@ -71,6 +77,7 @@ function makeSpace(): Space | null {
 }
 
 drawLegend();
+showStopAlarm(store);
 notices(store);
 new OutputPanel(store, send);
 new ServerChoices(store, send);

@@ -4,6 +4,7 @@ import { test } from "node:test";
 import { SCALE_LAWS, opacity, place, shareAt } from "../src/field/scale-law";
 import { advice } from "../src/panels/advice";
 import { digits, trimmed } from "../src/panels/format";
+import { forPage } from "../src/panels/silence";
 import { split } from "../src/panels/skip-reasons";
 
 for (const law of SCALE_LAWS) {
@@ -29,8 +30,15 @@ test("numbers have no zeros at their end, but keep those before the point, and t
 });
 
 test("each refusal has an advice", () => {
-  for (const action of ["arm", "select", "stop", "slice", "nonesuch"]) assert.match(advice(action, "no"), /\.$/);
+  for (const action of ["arm", "select", "slice", "nonesuch"]) assert.match(advice(action, "no"), /\.$/);
   assert.match(advice("select", "another client owns the output"), /^Take over/);
+});
+
+test("an advice for clients names the controls of the page", () => {
+  assert.equal(forPage("stopped by an emergency stop: reset the server, then arm again"), "stopped by an emergency stop: press Reset, then arm again");
+  assert.equal(forPage("arm with `take`"), "press Take over");
+  assert.match(forPage("renew from the game's own tick, and arm again"), /^keep this page in view/);
+  assert.equal(forPage("start `pacinian serve`"), "start pacinian serve");
 });
 
 test("saved work is not a problem; an unknown reason is", () => {

@@ -21,7 +21,7 @@ namespace Pacinian.Haptics
             Gizmos.color = Problem.Length > 0 ? Color.red : new Color(0.3f, 0.8f, 1f);
             if (_shape != null)
             {
-                ShapeGizmo.Draw(_shape, WireSpace.ToWire(transform));
+                ShapeGizmo.Draw(_shape, ShapePose);
             }
             Gizmos.matrix = Matrix4x4.identity;
         }

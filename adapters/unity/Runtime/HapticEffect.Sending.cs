@@ -21,7 +21,7 @@ namespace Pacinian.Haptics
         internal void Send(HapticClient client, int session, Rigid toArray, double now)
         {
             Expire(now);
-            Rigid pose = toArray * WireSpace.ToWire(transform);
+            Rigid pose = toArray * ShapePose;
             bool near = WireSpace.IsInRange(pose.Position);
             if (_there != session)
             {

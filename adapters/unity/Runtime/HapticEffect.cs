@@ -94,6 +94,12 @@ namespace Pacinian.Haptics
             get { return Pacinian.RegionFelt.Of(EmittedState.Now, _name); }
         }
 
+        /// <summary>The pose of the shape in the world, in the wire's axes and without scale.</summary>
+        internal virtual Rigid ShapePose
+        {
+            get { return WireSpace.ToWire(transform); }
+        }
+
         /// <summary>Returns the shape without the settings that all effects have; null and the reason if there is none.</summary>
         protected internal abstract Wire.HapticObject Describe(out string problem);
 

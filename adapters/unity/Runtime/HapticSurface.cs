@@ -31,6 +31,8 @@ namespace Pacinian.Haptics
         [SerializeField, Range(0.0001f, 1f), Tooltip("Depth below the surface up to which a hand feels it [m].")]
         private float thickness = 0.02f;
 
+        private static readonly Quat HalfTurn = new Quat(1.0, 0.0, 0.0, 0.0); // about x
+
         private Mesh _mesh;
         private Vector3 _scale;
 
@@ -67,6 +69,16 @@ namespace Pacinian.Haptics
         {
             get { return thickness; }
             set { thickness = value; Refresh(); }
+        }
+
+        /// <summary>Turned over if a negative scale along y mirrors a rectangle or disc. A mesh has mirrored faces instead.</summary>
+        internal override Rigid ShapePose
+        {
+            get
+            {
+                bool below = shape != HapticSurfaceShape.Mesh && transform.lossyScale.y < 0f;
+                return below ? base.ShapePose * new Rigid(new Vec3(), HalfTurn) : base.ShapePose;
+            }
         }
 
         /// <inheritdoc/>

@@ -38,9 +38,9 @@ namespace Pacinian.Haptics
         private HapticFelt felt = HapticFelt.Shell;
 
         private readonly List<Collider> _colliders = new List<Collider>();
+        private readonly ColliderSnapshot _now = new ColliderSnapshot(), _sent = new ColliderSnapshot();
         private Mesh _mesh;
         private Vector3 _scale;
-        private long _fingerprint; // of the colliders that were sent
 
         /// <summary>The shape.</summary>
         public HapticVolumeShape Shape
@@ -83,8 +83,8 @@ namespace Pacinian.Haptics
             }
             else
             {
-                _fingerprint = Fingerprint();
-                made = ColliderShape.Of(_colliders, transform, out problem);
+                Take(_sent);
+                made = VolumeFromColliders.Of(_colliders, transform, out problem);
             }
             return made == null ? null : new Volume { Shape = made, Thickness = thickness, Felt = where };
         }
@@ -100,14 +100,22 @@ namespace Pacinian.Haptics
         /// <inheritdoc/>
         protected override bool Reshaped()
         {
-            return transform.lossyScale != _scale
-                || (shape == HapticVolumeShape.Mesh ? MeshShape.Near(this, mesh) != _mesh : Fingerprint() != _fingerprint);
+            if (transform.lossyScale != _scale)
+            {
+                return true;
+            }
+            if (shape == HapticVolumeShape.Mesh)
+            {
+                return MeshShape.Near(this, mesh) != _mesh;
+            }
+            Take(_now);
+            return !_now.Matches(_sent);
         }
 
-        private long Fingerprint()
+        private void Take(ColliderSnapshot snapshot)
         {
-            ColliderShape.Collect(this, _colliders);
-            return ColliderShape.Fingerprint(_colliders, transform);
+            VolumeFromColliders.Collect(this, _colliders);
+            snapshot.Take(_colliders, transform);
         }
     }
 }

@@ -135,7 +135,7 @@ class Client(ReconnectingClient):
     def field(self, points: ArrayLike) -> Complexes:
         """Return the complex sound pressure that is emitted now at points (K, 3) [m], (K,) [Pa]."""
         command = self._make_object(commands.Field, 1.0, points=messages.make_points(points))
-        answer = self._live().send_command(command, replies.Pressures)
+        answer = self._get_session().send_command(command, replies.Pressures)
         pairs = unpack(answer.pressures, 2).astype(np.float64)
         return np.asarray(pairs[:, 0] + 1j * pairs[:, 1])
 
@@ -145,7 +145,7 @@ class Client(ReconnectingClient):
         scene, since: `scene` and `version` of the last reply; objects in earlier replies are then left out.
         """
         command = self._make_object(commands.Show, 1.0, scene=scene, since=since)
-        return self._live().send_command(command, replies.Shown)
+        return self._get_session().send_command(command, replies.Shown)
 
     def arm(self, take: bool = False, resume: bool = True) -> None:
         """Arm the output with this client's scene, for as long as `renew` is called.
@@ -153,13 +153,13 @@ class Client(ReconnectingClient):
         take: whether to take the output from another owner. resume: whether, after the lease ran out, the next `renew`
         lets the output sound again, unless it was taken, stopped or faulted meanwhile; if False, arm again.
         """
-        self._live().arm(take, resume)
+        self._get_session().arm(take, resume)
 
     def disarm(self) -> None:
         """End the sound softly, and let go of the output."""
-        live = self._live()
-        live.ask(control.Disarm, replies.Ok)
-        live.armed = live.owner = False
+        session = self._get_session()
+        session.request(control.Disarm, replies.Ok)
+        session.armed = session.owner = False
 
     def stop(self) -> None:
         """Emergency stop: silence the array at once, whoever owns the output, until `reset`.
@@ -174,7 +174,7 @@ class Client(ReconnectingClient):
 
     def reset(self) -> None:
         """Clear an emergency stop or a fault, so that the output can be armed again."""
-        self._live().ask(control.Reset, replies.Ok)
+        self._get_session().request(control.Reset, replies.Ok)
 
     def renew(self) -> None:
         """Renew the lease. Call this from the game's own tick, more often than the lease.
@@ -183,7 +183,7 @@ class Client(ReconnectingClient):
         "owner", "stopped" or "fault", or, if it was armed with resume=False, "expired". Raises ConnectionLost after a
         connection loss.
         """
-        self._live(again=False).renew()
+        self._get_session(reconnect=False).renew()
 
     def hold(self, seconds: float, every: float | None = None) -> None:
         """Renew the lease repeatedly for `seconds` [s], in a script.
@@ -192,9 +192,9 @@ class Client(ReconnectingClient):
         `renew`.
         """
         end = self._clock() + check_number("seconds", seconds, low=0.0)
-        live = self._live(again=False)
+        session = self._get_session(reconnect=False)
         every = check_number(
-            "every", live.renewal_interval if every is None else every, low=0.0, above=True
+            "every", session.renewal_interval if every is None else every, low=0.0, above=True
         )
         due = self._clock()
         try:
@@ -202,7 +202,7 @@ class Client(ReconnectingClient):
                 if now >= due:
                     self.renew()
                     due = now + every
-                self._live(again=False).handle_messages(min(due, end) - self._clock())
+                self._get_session(reconnect=False).handle_messages(min(due, end) - self._clock())
         except KeyboardInterrupt:
             with suppress(ServerError):
                 self.disarm()
@@ -220,8 +220,8 @@ class Client(ReconnectingClient):
         """Select another solver, backend, default technique or intensity at run time.
 
         technique: for objects without their own. intensity: factor on all radiation pressures, 0..1. Waits until the
-        selection takes effect, and renews the lease meanwhile if armed. With wait=False, watch `look().solver` and
-        `errors`: the returned number is `Refused.request` of its error. Returns 0 if it waited.
+        selection takes effect, and renews the lease meanwhile if armed. With wait=False, watch `poll_state().solver`
+        and `errors`: the returned number is `Refused.request` of its error. Returns 0 if it waited.
         """
         fields = {
             "solver": control.Choice(name=solver) if isinstance(solver, str) else solver,
@@ -229,19 +229,19 @@ class Client(ReconnectingClient):
             "technique": technique and technique_to_wire(technique),
             "intensity": intensity,
         }
-        live = self._live()
+        session = self._get_session()
         if wait:
-            live.request_slow(control.Select, CHANGE_TIMEOUT, **fields)
+            session.request_slow(control.Select, CHANGE_TIMEOUT, **fields)
             return 0
-        return live.request_nowait(control.Select, **fields)
+        return session.request_nowait(control.Select, **fields)
 
     def capabilities(self) -> replies.Abilities:
         """Return the capabilities: array, solvers, backends, limits."""
-        return self._live().ask(control.Capabilities, replies.Abilities)
+        return self._get_session().request(control.Capabilities, replies.Abilities)
 
     def status(self) -> State:
         """Request the current state and return it."""
-        return self._live().ask(control.Status, State)
+        return self._get_session().request(control.Status, State)
 
     def explain_silence(self, state: State | None = None) -> Silence | None:
         """Return why the output is silent now, and what to do about it; None if it sounds.
@@ -254,18 +254,18 @@ class Client(ReconnectingClient):
         except ConnectionLost:
             return DISCONNECTED
 
-    def look(self) -> State | None:
+    def poll_state(self) -> State | None:
         """Return the newest state published since the last call, or None. Does not wait."""
-        return self._live().newest(0.0)
+        return self._get_session().newest(0.0)
 
     def watch(self, timeout: float | None = None) -> Iterator[State]:
         """Yield the newest published states. Raises ConnectionLost if none arrives within `timeout` [s]."""
         patience = self._timeout if timeout is None else timeout
         while True:
-            live = self._live(again=False)
-            state = live.newest(patience)
+            session = self._get_session(reconnect=False)
+            state = session.newest(patience)
             if state is None:
-                live.lose(f"the server has published no state within {patience:g} s")
+                session.lose(f"the server has published no state within {patience:g} s")
             yield state
 
     @staticmethod
@@ -281,13 +281,13 @@ class Client(ReconnectingClient):
 
     def age(self, state: State) -> float:
         """Return the age of a state [s], accurate to half of the shortest round trip of a connection or a renewal."""
-        return self._live(again=False).server_clock.age(state.time, self._clock())
+        return self._get_session(reconnect=False).server_clock.age(state.time, self._clock())
 
     def _make_object(
         self, kind: type[Any], ttl: float, time: float | None = None, **fields: Any
     ) -> Any:
         check_number("ttl", ttl, low=0.0, high=MAX_TIME_TO_LIVE)
-        session = self._live().welcome.session
+        session = self._get_session().welcome.session
         now = self._clock() if time is None else time
         try:
             return kind(session=session, sequence=1, time=now, ttl=ttl, **fields)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from pacinian.client.server_clock import Trips
+    from pacinian.client.server_clock import RoundTrips
     from pacinian.errors import Refused
     from pacinian.wire.connection_file import Connection
 
@@ -41,16 +41,17 @@ class ReconnectingClient(Closeable):
         clock: Callable[[], float] = time.perf_counter,
     ) -> None:
         self._timeout = check_number("timeout", timeout, low=0.0, above=True)
-        self._where, self._keys, self._again, self._clock = connection, keys, reconnect, clock
+        self._where, self._keys, self._clock = connection, keys, clock
+        self._reconnects = reconnect
         self._hello: dict[str, Any] = {"client": name, "scene": scene, "lease": lease}
         self._owner = os.getpid(), threading.get_ident()
         self._ids, self._closed = itertools.count(), False
         self._server_session = self._connect()
 
     @property
-    def trips(self) -> Trips:
+    def round_trips(self) -> RoundTrips:
         """Round trips of the last blocking calls."""
-        return self._server_session.server_clock.trips
+        return self._server_session.server_clock.round_trips
 
     @property
     def errors(self) -> list[Refused]:
@@ -87,7 +88,10 @@ class ReconnectingClient(Closeable):
         return self._server_session.welcome.server
 
     def reconnect(self) -> None:
-        """Start a new session, after a loss or instead of this one. Reads the connection file again."""
+        """Start a new session, after a loss or instead of this one. Reads the connection file again.
+
+        Nothing resumes: put the objects again, and arm again. Raises ConnectionLost, Refused.
+        """
         self._check()
         self._server_session.close()
         self._server_session = self._connect()
@@ -108,10 +112,8 @@ class ReconnectingClient(Closeable):
     def __repr__(self) -> str:
         if "_server_session" not in self.__dict__:
             return "<Client, never connected>"
-        live = self._server_session
-        what = (
-            f"not connected: {live.lost}" if live.lost else "armed" if self.armed else "not armed"
-        )
+        lost = self._server_session.lost
+        what = f"not connected: {lost}" if lost else "armed" if self.armed else "not armed"
         return f"<Client {self._hello['client']!r} of {self.server}, scene {self.scene!r}, {what}>"
 
     def __reduce__(self) -> NoReturn:
@@ -131,10 +133,11 @@ class ReconnectingClient(Closeable):
 
     def _handle_messages(self) -> None:
         with suppress(ConnectionLost):
-            self._live(again=False).handle_messages()
+            self._get_session(reconnect=False).handle_messages()
 
-    def _live(self, *, again: bool = True) -> ServerSession:
+    def _get_session(self, *, reconnect: bool = True) -> ServerSession:
+        """Return the session. If it is lost, return a new one, if `reconnect` and the client's own setting allow it."""
         self._check()
-        if self._server_session.lost and again and self._again:
+        if self._server_session.lost and reconnect and self._reconnects:
             self.reconnect()
         return self._server_session

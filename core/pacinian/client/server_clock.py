@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections import deque
 from typing import NamedTuple
 
-MAX_TRIPS = 1000  # number of round trips kept
+MAX_ROUND_TRIPS = 1000  # number of round trips kept
 MARKS = 64  # number of clock samples kept
 
 
-class Trips(NamedTuple):
+class RoundTrips(NamedTuple):
     """Round trips of the last blocking calls [s]: median, 99th percentile and maximum; 0 before the first."""
 
     median: float = 0.0
@@ -21,12 +21,12 @@ class ServerClock:
     """Keeps the last round trips and samples of the server's clock."""
 
     def __init__(self) -> None:
-        self._trips = deque[float](maxlen=MAX_TRIPS)
+        self._round_trips = deque[float](maxlen=MAX_ROUND_TRIPS)
         self._marks = deque[tuple[float, float]](maxlen=MARKS)
 
-    def add_trip(self, sent: float, received: float) -> None:
+    def add_round_trip(self, sent: float, received: float) -> None:
         """Note a blocking call: sent, and its reply received, at these times by the client's clock [s]."""
-        self._trips.append(received - sent)
+        self._round_trips.append(received - sent)
 
     def add_mark(self, sent: float, received: float, server: float) -> None:
         """Note that the server's clock showed `server` [s] at some time between these."""
@@ -45,10 +45,10 @@ class ServerClock:
         return now + self.offset - time
 
     @property
-    def trips(self) -> Trips:
+    def round_trips(self) -> RoundTrips:
         """Round trips of the last 1000 blocking calls."""
-        if not self._trips:
-            return Trips()
-        ordered = sorted(self._trips)
+        if not self._round_trips:
+            return RoundTrips()
+        ordered = sorted(self._round_trips)
         last = len(ordered) - 1
-        return Trips(ordered[last // 2], ordered[round(0.99 * last)], ordered[last])
+        return RoundTrips(ordered[last // 2], ordered[round(0.99 * last)], ordered[last])

@@ -87,7 +87,7 @@ class ServerSession:
 
     def _hello(self, given: dict[str, Any]) -> Welcome:
         sent = self.clock()
-        welcome = self._call(
+        welcome = self._request(
             self._control,
             Hello(protocol=(MAJOR, MINOR), version=read_version(), **given),
             Welcome,
@@ -105,19 +105,19 @@ class ServerSession:
         """Interval between two renewals [s]."""
         return RENEWAL_SHARE * self.welcome.lease
 
-    def ask(self, kind: type[Request], answer: type[R], **fields: Any) -> R:
+    def request(self, kind: type[Request], answer: type[R], **fields: Any) -> R:
         """Send a request to the control socket; return the reply."""
         request = kind(session=self.welcome.session, **fields)
-        return self._call(self._control, request, answer, self.timeout)
+        return self._request(self._control, request, answer, self.timeout)
 
     def request_slow(self, request: type[Request], timeout: float, **fields: Any) -> None:
         """Send a request that may take up to `timeout` [s]. Meanwhile, renew the lease if armed."""
         message = request(session=self.welcome.session, **fields)
-        self._call(self._control, message, Ok, timeout, lease=True)
+        self._request(self._control, message, Ok, timeout, lease=True)
 
     def arm(self, take: bool, resume: bool) -> None:
         """Arm. Discards notices received before the server's Ok."""
-        self.ask(Arm, Ok, take=take, resume=resume)
+        self.request(Arm, Ok, take=take, resume=resume)
         self.notices.clear()
         self.armed = self.owner = True
         self._resumes = resume
@@ -125,7 +125,7 @@ class ServerSession:
 
     def stop(self) -> None:
         """Send an emergency stop, which needs no session."""
-        self._call(self._control, Stop(), Ok, self.timeout)
+        self._request(self._control, Stop(), Ok, self.timeout)
 
     def request_nowait(self, kind: type[Request], **fields: Any) -> int:
         """Send a request without waiting; return its number. Its error, if any, goes to `errors` with that number."""
@@ -141,7 +141,9 @@ class ServerSession:
         if not self._flush(self.timeout):
             self.lose(f"no room for a command within {self.timeout:g} s: the server hangs")
         sequence = next(self._sequence)
-        return self._call(self._command, replace(command, sequence=sequence), answer, self.timeout)
+        return self._request(
+            self._command, replace(command, sequence=sequence), answer, self.timeout
+        )
 
     def send_nowait(self, command: AnyCommand) -> None:
         """Send a command without waiting. While there is no room, it waits, and replaces what it makes useless."""
@@ -204,7 +206,7 @@ class ServerSession:
             self._due = math.inf
             try:
                 bye = Bye(session=self.welcome.session)
-                self._call(self._control, bye, Ok, min(self.timeout, BYE_TIMEOUT))
+                self._request(self._control, bye, Ok, min(self.timeout, BYE_TIMEOUT))
             except PacinianError:
                 pass
         self.lost = self.lost or "the session was closed"
@@ -215,7 +217,7 @@ class ServerSession:
             self._states.close(0)
         self._context.term()
 
-    def _call(
+    def _request(
         self, link: Link, message: Any, answer: type[R], timeout: float, *, lease: bool = False
     ) -> R:
         number = self._number()
@@ -224,12 +226,14 @@ class ServerSession:
         self.handle_messages()
         sent = self.clock()
         found = (
-            self._answer(number, sent + timeout, lease) if self._send(link, data, timeout) else None
+            self._wait_for_reply(number, sent + timeout, lease)
+            if self._send(link, data, timeout)
+            else None
         )
         if found is None:
             self._raise_if_lost()
             self.lose(f"no answer to `{what}` within {timeout:g} s: the server hangs")
-        self.server_clock.add_trip(sent, self.clock())
+        self.server_clock.add_round_trip(sent, self.clock())
         if isinstance(found, Error):
             if found.code == "session":
                 self.lose(found.message)
@@ -238,7 +242,7 @@ class ServerSession:
             raise WireError(f"`{what}` was answered by a {type(found).__name__}")
         return found
 
-    def _answer(self, number: int, end: float, lease: bool) -> AnyReply | State | None:
+    def _wait_for_reply(self, number: int, end: float, lease: bool) -> AnyReply | State | None:
         """Return the reply with that number, and note the others. None if it does not arrive by `end` [s]."""
         while (left := end - self.clock()) > 0.0:
             step = left

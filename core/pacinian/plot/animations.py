@@ -15,7 +15,12 @@ from pacinian.plot.fields import fit_column
 from pacinian.plot.outlines import draw_outlines, find_pose
 from pacinian.plot.page import DPI, figure
 from pacinian.plot.planes import Plane, cut, draw, middle_of
-from pacinian.plot.quantities import QUANTITIES, find_clear, limits, values
+from pacinian.plot.quantities import (
+    QUANTITIES,
+    compute_colour_limits,
+    compute_quantity,
+    find_distant_points,
+)
 from pacinian.plot.style import COLUMN, bar, dress
 
 if TYPE_CHECKING:
@@ -139,7 +144,9 @@ def _compute_mean(emission: Emission, first: int, last: int, plane: Plane, show:
     different = [k for k, row in enumerate(gains) if not k or (row != gains[k - 1]).any()]
     if len(different) == 1:  # equal moments are computed once
         gains = gains[:1]
-    return values(emission.array, gains, plane.points, emission.medium, show).astype(np.float64)
+    return compute_quantity(emission.array, gains, plane.points, emission.medium, show).astype(
+        np.float64
+    )
 
 
 def _draw_pictures(
@@ -154,8 +161,10 @@ def _draw_pictures(
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.contour import ContourSet
 
-    near = find_clear(emission.array, plane.points, emission.medium)
-    ends = limits(np.array(found), np.broadcast_to(near, (len(found), *near.shape)), show)
+    near = find_distant_points(emission.array, plane.points, emission.medium)
+    ends = compute_colour_limits(
+        np.array(found), np.broadcast_to(near, (len(found), *near.shape)), show
+    )
     if top is not None and show != "phase":
         ends = min(ends[0], top - 1.0) if show == "level" else 0.0, top
     flat, height = fit_column(plane)

@@ -17,7 +17,7 @@ from pacinian.plot import meshes
 from pacinian.plot.fields import NONE, cut_both
 from pacinian.plot.mesh_colours import make_plain_mesh, make_textured_mesh, picture, strip, wheel
 from pacinian.plot.outlines import find_pose
-from pacinian.plot.quantities import find_clear, limits
+from pacinian.plot.quantities import compute_colour_limits, find_distant_points
 from pacinian.plot.style import METAL, SKIN, THING
 from pacinian.plot.volumes import isosurface, volume
 from pacinian.scene.sampling.samples import Samples
@@ -135,7 +135,8 @@ class _Model:
         """Add the radiation pressure in two planes, transparent where it is weak."""
         both = cut_both(array, gains, points, medium)
         tops = [
-            limits(P, find_clear(array, plane.points, medium), "radiation") for plane, P in both
+            compute_colour_limits(P, find_distant_points(array, plane.points, medium), "radiation")
+            for plane, P in both
         ]
         most = max(tops)[1]
         for plane, P in both:

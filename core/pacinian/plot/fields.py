@@ -11,7 +11,12 @@ from pacinian.acoustics.propagation import check_medium
 from pacinian.argument_checks import check_kind, check_numbers
 from pacinian.plot.page import figure, panels, set_title
 from pacinian.plot.planes import MAX_PLANE_DISTANCE, cut, draw, mark, middle_of
-from pacinian.plot.quantities import QUANTITIES, find_clear, limits, values
+from pacinian.plot.quantities import (
+    QUANTITIES,
+    compute_colour_limits,
+    compute_quantity,
+    find_distant_points,
+)
 from pacinian.plot.style import COLUMN, bar, dress
 
 if TYPE_CHECKING:
@@ -86,12 +91,11 @@ def field(
     check_array_and_medium(array, medium)
     q = check_numbers("points", points, (None, 3))
     where = cut(array, plane, at, q, size)
-    found = values(array, gains, where.points, medium, show)
+    found = compute_quantity(array, gains, where.points, medium, show)
     flat, height = fit_column(where)
     page, (panel,), _ = panels(ax, [height])
-    image = draw(
-        panel, where, found, show, limits(found, find_clear(array, where.points, medium), show)
-    )
+    ends = compute_colour_limits(found, find_distant_points(array, where.points, medium), show)
+    image = draw(panel, where, found, show, ends)
     places, near = where.project(q)
     mark(panel, places[near], QUANTITIES[show].marks)
     bar(page, image, panel, QUANTITIES[show].label, below=flat)
@@ -135,10 +139,12 @@ def cut_both(
     middle = middle_of(array, points)
     through = middle.copy()
     if len(points):
-        strongest = values(array, gains, points, medium, "radiation").argmax()
+        strongest = compute_quantity(array, gains, points, medium, "radiation").argmax()
         through[1] = points[strongest, 1]
     both = cut(array, "xy", middle, points, None), cut(array, "xz", through, points, None)
-    return [(plane, values(array, gains, plane.points, medium, "radiation")) for plane in both]
+    return [
+        (plane, compute_quantity(array, gains, plane.points, medium, "radiation")) for plane in both
+    ]
 
 
 def draw_both(
@@ -157,8 +163,14 @@ def draw_both(
     a surface the pressure may be far higher.
     """
     image, radiation = None, QUANTITIES["radiation"]
-    ends = max(limits(P, find_clear(array, plane.points, medium), "radiation") for plane, P in both)
-    if len(points) and (felt := values(array, gains, points, medium, "radiation").max()) > 0.0:
+    ends = max(
+        compute_colour_limits(P, find_distant_points(array, plane.points, medium), "radiation")
+        for plane, P in both
+    )
+    if (
+        len(points)
+        and (felt := compute_quantity(array, gains, points, medium, "radiation").max()) > 0.0
+    ):
         ends = ends[0], min(ends[1], ABOVE * float(felt))
     if top is not None:
         ends = ends[0], top

@@ -39,7 +39,9 @@ QUANTITIES: dict[str, Quantity] = {
 }
 
 
-def values(array: Array, gains: ArrayLike, points: Floats, medium: Air, show: str) -> Floats:
+def compute_quantity(
+    array: Array, gains: ArrayLike, points: Floats, medium: Air, show: str
+) -> Floats:
     """Return a quantity at points (..., 3) [m], (...); NaN on transducers.
 
     gains: (N,), or (K, N) for the mean power over K moments. Raises ArgumentError.
@@ -72,18 +74,18 @@ def compute_field(array: Array, gains: ArrayLike, points: Floats, medium: Air) -
         return p
 
 
-def limits(found: Floats, clear: Flags, show: str) -> tuple[float, float]:
-    """Return the ends of the colour scale. clear: which values count, of the shape of `found`."""
+def compute_colour_limits(found: Floats, counted: Flags, show: str) -> tuple[float, float]:
+    """Return the ends of the colour scale. counted: which values count, of the shape of `found`."""
     if show == "phase":
         return -np.pi, np.pi
-    known = found[clear & np.isfinite(found)]
+    known = found[counted & np.isfinite(found)]
     most = float(known.max(initial=-np.inf))
     if show == "level":
         return (most - LEVEL_RANGE, most) if np.isfinite(most) else (0.0, LEVEL_RANGE)
     return 0.0, most if most > 0.0 else 1.0
 
 
-def find_clear(array: Array, points: Floats, medium: Air) -> Flags:
+def find_distant_points(array: Array, points: Floats, medium: Air) -> Flags:
     """Return which points (..., 3) [m] are more than a wavelength away from all transducers, (...).
 
     Closer to a point source, the field diverges and would dim everything else.

@@ -372,7 +372,7 @@ def test_round_trips_and_the_clock_of_the_server_are_measured(server: Fake) -> N
     with pc.Client(server.connection, name="test") as client:
         for _ in range(20):
             client.clear()
-        median, p99, longest = client.trips
+        median, p99, longest = client.round_trips
         assert 0.0 < median <= p99 <= longest
         age = client.age(client.status())
         assert abs(age) < time.perf_counter() - begin  # one clock for both

@@ -193,7 +193,7 @@ def test_a_session_that_the_server_has_ended(server: Fake, asked: bool) -> None:
         assert [m for m in server.seen if isinstance(m, control.Bye)] == []
 
 
-@pytest.mark.parametrize("call", ["renew", "cast", "ask", "watch", "look", "hold"])
+@pytest.mark.parametrize("call", ["renew", "cast", "ask", "watch", "poll_state", "hold"])
 def test_any_call_finds_out_and_all_after_it_tell_it_again(server: Fake, call: str) -> None:
     with pc.Client(server.connection) as client:
         client.arm()
@@ -203,7 +203,7 @@ def test_any_call_finds_out_and_all_after_it_tell_it_again(server: Fake, call: s
             "cast": lambda: client.put(POINT, wait=False),
             "ask": client.status,
             "watch": lambda: next(client.watch(PATIENCE)),
-            "look": client.look,
+            "poll_state": client.poll_state,
             "hold": lambda: client.hold(PATIENCE),
         }
         lost(client, calls[call], "has gone")

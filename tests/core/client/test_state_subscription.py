@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.client import link
-from pacinian.client.server_clock import ServerClock, Trips
+from pacinian.client.server_clock import RoundTrips, ServerClock
 from pacinian.client.state_subscription import MAX_READS, read_newest
 from pacinian.solving.felt_regions import FeltRegion
 from pacinian.wire.binary_arrays import pack
@@ -32,16 +32,16 @@ SECONDS = st.floats(0.0, 1.0)
 @pytest.fixture
 def client(server: Fake) -> Iterator[pc.Client]:
     with pc.Client(server.connection) as made:
-        made.look()  # it subscribes at the first `look`
+        made.poll_state()  # it subscribes at the first `poll_state`
         numbers = count(-1, -1)
-        server.until(lambda: server.publish(state(next(numbers))) or made.look() is not None)  # type: ignore[func-returns-value]
+        server.until(lambda: server.publish(state(next(numbers))) or made.poll_state() is not None)  # type: ignore[func-returns-value]
         yield made
 
 
 def test_of_many_the_newest_is_seen(server: Fake, client: pc.Client) -> None:
     server.publish(*(state(i) for i in range(1, 9)))
-    server.until(lambda: (seen := client.look()) is not None and seen.sequence == 8)
-    assert client.look() is None
+    server.until(lambda: (seen := client.poll_state()) is not None and seen.sequence == 8)
+    assert client.poll_state() is None
     for turn in range(3):
         server.publish(*(state(10 * turn + i) for i in range(10, 18)))
         seen = next(client.watch(PATIENCE))
@@ -62,11 +62,11 @@ def test_a_reader_that_slept_finds_the_newest_not_the_oldest(
         server.do(
             lambda i=i: [server._sockets[2].send_multipart([STATE, d]) for d in given[i : i + 100]]  # type: ignore[misc]
         )
-    got = [seen.sequence] if (seen := client.look()) else []
+    got = [seen.sequence] if (seen := client.poll_state()) else []
 
     def newest_seen() -> bool:
         server.publish(state(6000))
-        got.extend([seen.sequence] if (seen := client.look()) else [])
+        got.extend([seen.sequence] if (seen := client.poll_state()) else [])
         return bool(got) and got[-1] == 6000
 
     server.until(newest_seen)
@@ -133,10 +133,10 @@ def test_the_servers_clock_is_known_to_half_of_the_shortest_trip(
 def test_round_trips_in_order(trips: list[float]) -> None:
     clock = ServerClock()
     for trip in trips:
-        clock.add_trip(0.0, trip)
-    told = clock.trips
+        clock.add_round_trip(0.0, trip)
+    told = clock.round_trips
     if not trips:
-        assert told == Trips()
+        assert told == RoundTrips()
     else:
         assert told.longest == max(trips)
         assert sorted(told) == list(told)

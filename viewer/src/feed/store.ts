@@ -43,6 +43,10 @@ export interface Events {
   silence: Silence;
   history: Past;
   refused: Refused;
+  /** An emergency stop of the user: whether it was sent. */
+  stop: boolean;
+  /** Another command of the user that was not sent: its `type`. */
+  unsent: string;
   record: Recording;
   replay: Replay;
 }
@@ -78,6 +82,11 @@ export class Store {
     this.link = link;
     this.reason = reason;
     this.tell("link", link);
+  }
+
+  /** Report whether a command of the user was sent. */
+  report<K extends "stop" | "unsent">(type: K, value: Events[K]): void {
+    this.tell(type, value);
   }
 
   take(message: FromViewer): void {

@@ -1,4 +1,4 @@
-/** Numbers as texts for people. */
+/** Numbers as texts for people, and the ends of sentences. */
 
 const DIGITS = 3;
 
@@ -37,4 +37,14 @@ export function millimetres(length: number): string {
 
 export function plural(count: number, one: string): string {
   return `${whole(count)} ${one}${count === 1 ? "" : "s"}`;
+}
+
+/** Begin a text with a capital letter, and end it with a full stop. */
+export function sentence(text: string): string {
+  return ended(text.charAt(0).toUpperCase() + text.slice(1));
+}
+
+/** End a text with a full stop, if it has none. */
+export function ended(text: string): string {
+  return /[.?!]$/.test(text) || !text ? text : `${text}.`;
 }

@@ -1,16 +1,18 @@
-/** Notices: the connection is lost, the output is faulted, or a request was refused. */
+/** Notices: the connection is lost, the output is faulted, or a request was refused or not sent. */
 
 import type { Refused } from "../feed/messages";
 import type { Link, Store } from "../feed/store";
 import { advice as advise, title } from "./advice";
 import { element, made, marked, say, sayMarked } from "./dom";
+import { ended, sentence } from "./format";
 import { forPage } from "./silence";
 
 const STAYS = 15_000; // time that a notice stays [ms]
 const MAX_NOTES = 2;
 
 export function notices(store: Store): void {
-  store.on("refused", refused);
+  store.on("refused", refused); // a refused stop: stop-alarm.ts
+  store.on("unsent", unsent);
   store.on("link", () => warn(store));
   store.onBeat("state", () => warn(store));
   warn(store);
@@ -20,7 +22,7 @@ function warn(store: Store): void {
   const card = element("gone");
   const { state, silence, array } = store.newest;
   const faulted = store.link === "live" && state?.output === "faulted";
-  const why = silence?.text.startsWith("fault") ? silence.text : (state?.faults.at(-1) ?? "");
+  const why = silence?.cause === "fault" ? silence.text : (state?.faults.at(-1) ?? "");
   const fault: [string, string] = ["The output is faulted", ended(forPage(why).replace(/^fault: /, ""))];
   const [title, text] = faulted ? fault : words(store.link, store.reason, Boolean(array));
   card.hidden = store.link === "live" && !faulted;
@@ -45,26 +47,25 @@ function words(link: Link, reason: string, before: boolean): [string, string] {
   }
 }
 
-/** Begin a text with a capital letter, and end it with a full stop. */
-function sentence(text: string): string {
-  return ended(text.charAt(0).toUpperCase() + text.slice(1));
-}
-
-/** End a text with a full stop, if it has none. */
-function ended(text: string): string {
-  return /[.?!]$/.test(text) || !text ? text : `${text}.`;
-}
-
 function refused({ action, message, advice }: Refused): void {
+  if (action !== "stop") note(title(action), message, sentence(forPage(advice)) || advise(action, message));
+}
+
+function unsent(action: string): void {
+  note(`Not sent: ${action}`, "This page has no connection to `pacinian view`.", "Try again when it is back.");
+}
+
+/** Show a note for a while, in place of an equal one. */
+function note(heading: string, message: string, advice: string): void {
   const area = element("refused");
   const close = made("button", "Close");
   close.type = "button";
-  const why = made("p", made("strong", title(action)), " ", ...marked(ended(message)), " ", made("span", ...marked(sentence(forPage(advice)) || advise(action, message))));
-  const note = made("div", why);
-  note.append(close);
-  const away = (): void => note.remove();
+  const why = made("p", made("strong", heading), " ", ...marked(ended(message)), " ", made("span", ...marked(advice)));
+  const added = made("div", why, close);
+  for (const shown of [...area.children]) if (shown.textContent === added.textContent) shown.remove();
+  const away = (): void => added.remove();
   close.addEventListener("click", away);
   setTimeout(away, STAYS);
-  area.append(note);
+  area.append(added);
   while (area.children.length > MAX_NOTES) area.firstElementChild?.remove();
 }

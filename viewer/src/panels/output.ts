@@ -2,13 +2,13 @@
 
 import type { Session, Sound, State, ToViewer } from "../feed/messages";
 import type { Store } from "../feed/store";
-import { unready } from "./advice";
+import { whyUnavailable } from "./advice";
 import { DEMONSTRATION } from "./demonstration";
 import { button, choices, element, say, select } from "./dom";
 import { digits, percent, seconds, whole } from "./format";
 import { explainSilence } from "./silence";
 
-const NOT = {
+const DISABLED_REASON = {
   held: "The output is stopped: press Reset first.",
   mine: "This page has armed already.",
   other: "This page has not armed.",
@@ -44,7 +44,7 @@ export class OutputPanel {
       for (const id of ["arm", "disarm", "reset", "stop"]) button(id).hidden = Boolean(recording);
     });
     store.on("array", ({ sound }) => say(element("air"), sound ? air(sound) : "–"));
-    store.on("session", (session) => this.agree(session));
+    store.on("session", (session) => this.setSession(session));
     store.on("state", (state) => {
       if (state.output !== element("output").dataset["output"]) this.show(state);
     });
@@ -52,7 +52,7 @@ export class OutputPanel {
     store.onBeat("silence", () => this.show(store.newest.state));
     store.on("link", (link) => {
       if (link === "live") this.show(store.newest.state);
-      else this.agree(undefined);
+      else this.setSession(undefined);
     });
   }
 
@@ -66,12 +66,12 @@ export class OutputPanel {
   }
 
   private arm(): void {
-    if (this.others) this.ask(true);
+    if (this.otherOwner) this.ask(true);
     else this.send({ type: "arm", scene: select("scene").value, take: false });
   }
 
   /** The other client that owns the output; empty if there is none. */
-  private get others(): string {
+  private get otherOwner(): string {
     const owner = this.store.newest.state?.owner ?? "";
     return this.session?.mine || owner === this.session?.name ? "" : owner;
   }
@@ -81,27 +81,27 @@ export class OutputPanel {
     element("take").hidden = !on;
     if (!on) return;
     const scene = select("scene").value;
-    const { others } = this;
+    const { otherOwner } = this;
     const then = scene
       ? `Then the scene “${scene}” is felt, for as long as this page is open and in view.`
       : "Then nothing is felt: this viewer's own scene is empty.";
-    say(element("take-title"), `Take the output from “${others}”?`);
+    say(element("take-title"), `Take the output from “${otherOwner}”?`);
     const text =
-      others === DEMONSTRATION
+      otherOwner === DEMONSTRATION
         ? `The demonstration ends. ${then} “Disarm” ends that.`
-        : `Its sound ends, and it receives a message. ${then} “Give back” ends that, and “${others}” can arm again.`;
+        : `Its sound ends, and it receives a message. ${then} “Give back” ends that, and “${otherOwner}” can arm again.`;
     say(element("take-text"), text);
     button("take-no").focus();
   }
 
   private take(): void {
-    this.taken = this.others;
+    this.taken = this.otherOwner;
     this.send({ type: "arm", scene: select("scene").value, take: Boolean(this.taken) });
     this.ask(false);
   }
 
   /** Store the session. While this page owns the output and is visible, renew the lease with `alive`. */
-  private agree(session: Session | undefined): void {
+  private setSession(session: Session | undefined): void {
     if (!session?.mine && this.session?.mine) this.taken = "";
     this.session = session;
     clearInterval(this.timer);
@@ -127,19 +127,19 @@ export class OutputPanel {
     element("output-why").title = why; // for a line that is cut off
     const held = output === "stopped" || output === "faulted";
     const mine = Boolean(this.session?.mine);
-    const { others } = this;
-    const no = unready(this.store.link, state);
+    const { otherOwner } = this;
+    const no = whyUnavailable(this.store.link, state);
     const own = "Let the scene be felt, for as long as this page is open and in view.";
-    const take = `Let another scene be felt in place of ${others}'s. You are asked first.`;
-    enable("arm", no || (held && NOT.held) || (mine && NOT.mine), others ? take : own);
-    say(button("arm"), others ? "Take over …" : "Arm");
-    if (!others || no || held) this.ask(false);
+    const take = `Let another scene be felt in place of ${otherOwner}'s. You are asked first.`;
+    enable("arm", no || (held && DISABLED_REASON.held) || (mine && DISABLED_REASON.mine), otherOwner ? take : own);
+    say(button("arm"), otherOwner ? "Take over …" : "Arm");
+    if (!otherOwner || no || held) this.ask(false);
     // a demonstration ends when another client takes its output
     const back = this.taken !== DEMONSTRATION && state?.clients.some(({ name }) => name === this.taken);
     const does = back ? `End this, so that ${this.taken} can arm again.` : "Silence, softly.";
-    enable("disarm", no || (!mine && NOT.other), does);
+    enable("disarm", no || (!mine && DISABLED_REASON.other), does);
     say(button("disarm"), back ? "Give back" : "Disarm");
-    enable("reset", no || (!held && NOT.free), "End the emergency stop or the fault. Nothing is armed by it.");
+    enable("reset", no || (!held && DISABLED_REASON.free), "End the emergency stop or the fault. Nothing is armed by it.");
     if (!state) return;
     const names = [...new Set(state.clients.map(({ scene }) => scene))].filter(named);
     choices(select("scene"), names);

@@ -2,7 +2,7 @@
 
 import type { Arrayed, Plugin, Selection, State, Technique, ToViewer } from "../feed/messages";
 import type { Store } from "../feed/store";
-import { unready } from "./advice";
+import { whyUnavailable } from "./advice";
 import { choices, element, input, say, select } from "./dom";
 
 const PATIENCE = 15_000; // time until a choice that the server does not follow is replaced by its own [ms]
@@ -58,7 +58,7 @@ export class ServerChoices {
   private allow(state: State | undefined): void {
     const why = this.store.newest.hello?.recording
       ? "This is a recording: nothing can be changed."
-      : unready(this.store.link, state) || (state?.owner && !this.mine
+      : whyUnavailable(this.store.link, state) || (state?.owner && !this.mine
         ? `“${state.owner}” owns the output: take over to change these.`
         : "");
     for (const id of ["solver", "backend", "technique"]) select(id).disabled = Boolean(why);

@@ -16,13 +16,21 @@ export function explainSilence(output: Output, told?: string): string {
   return told && output !== "sounding" ? forPage(told) : WHY[output];
 }
 
+/** Parts of the server's texts, in the words of this page. tests/viewing/test_page_words.py finds each in its sources. */
+const PAGE_WORDS: [string, string][] = [
+  ["reset the server", "press Reset"],
+  ["reset first", "press Reset first"],
+  ["reset, and arm again", "press Reset, then arm again"],
+  ["the game must arm the output", "press Arm, or start a program that arms"],
+  ["select one above 0", "raise it under Rendering"],
+  ["arm with `take`", "press Take over"],
+  [
+    "renew from the game's own tick, and arm again",
+    "keep this page in view, then arm again. If it comes again, the machine is too busy",
+  ],
+];
+
 /** Replace what a client can do in an advice by the controls of this page. */
 export function forPage(text: string): string {
-  return text
-    .replace("reset the server", "press Reset")
-    .replace(/^reset first$/, "Press Reset first.")
-    .replace(/^reset, and arm again$/, "Press Reset, then arm again.")
-    .replace("the game must arm the output", "press Arm, or start a program that arms")
-    .replace("select one above 0", "raise it under Rendering")
-    .replaceAll("`", "");
+  return PAGE_WORDS.reduce((now, [words, own]) => now.replace(words, own), text).replaceAll("`", "");
 }

@@ -33,6 +33,19 @@ namespace Pacinian.Haptics.Tests
             return new Mesh { vertices = vertices, triangles = triangles };
         }
 
+        /// <summary>Returns a square of side 1 in x and z, clockwise from above, in left-handed axes.</summary>
+        public static Mesh Square()
+        {
+            return new Mesh
+            {
+                vertices = new[]
+                {
+                    new Vector3(-0.5f, 0f, -0.5f), new Vector3(-0.5f, 0f, 0.5f), new Vector3(0.5f, 0f, 0.5f), new Vector3(0.5f, 0f, -0.5f),
+                },
+                triangles = new[] { 0, 1, 2, 0, 2, 3 },
+            };
+        }
+
         private static Vector3 Cross(Vector3 a, Vector3 b)
         {
             return new Vector3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);

@@ -33,6 +33,25 @@ namespace Pacinian.Haptics.Tests
             Assert.AreEqual(0.15, ((Disc)((Surface)Told(surface)).Shape).Radius, 1e-6);
         }
 
+        [TestCase(1f, 1f, 1f, 1.0)]
+        [TestCase(-1f, 1f, 1f, 1.0)]
+        [TestCase(1f, 1f, -1f, 1.0)]
+        [TestCase(1f, -1f, 1f, -1.0)]
+        [TestCase(-1f, -1f, -1f, -1.0)]
+        public void AMirroredSurfaceIsFeltOnItsVisibleSide(float x, float y, float z, double up)
+        {
+            _owner.transform.rotation = Quaternion.AngleAxis(30f, Vector3.up);
+            _owner.transform.localScale = new Vector3(x, y, z);
+            HapticSurface surface = _owner.AddComponent<HapticSurface>();
+            foreach (HapticSurfaceShape shape in new[] { HapticSurfaceShape.Rectangle, HapticSurfaceShape.Disc, HapticSurfaceShape.Mesh })
+            {
+                surface.Shape = shape;
+                surface.Mesh = Shapes.Square();
+                Vec3 normal = surface.ShapePose.Direction(Normal(((Surface)Told(surface)).Shape));
+                Assert.AreEqual(0.0, (new Vec3(0.0, 0.0, up) - normal).Length, 1e-6, shape + " mirrored");
+            }
+        }
+
         [Test]
         public void AMeshIsTheOneThatIsGivenOrTheFilters()
         {
@@ -45,6 +64,24 @@ namespace Pacinian.Haptics.Tests
             volume.Mesh = Shapes.Cube();
             volume.Felt = HapticFelt.Interior;
             Assert.IsTrue(((Volume)Told(volume)).Felt == VolumeFelt.Interior);
+        }
+
+        /// <summary>Returns the normal of the felt side, in the frame of the shape.</summary>
+        private static Vec3 Normal(IShell shape)
+        {
+            HapticMesh mesh = shape as HapticMesh;
+            if (mesh == null)
+            {
+                return new Vec3(0.0, 0.0, 1.0);
+            }
+            Vec3 a = Corner(mesh, 0), b = Corner(mesh, 1), c = Corner(mesh, 2);
+            Vec3 normal = Vec3.Cross(b - a, c - a);
+            return (1.0 / normal.Length) * normal;
+        }
+
+        private static Vec3 Corner(HapticMesh mesh, int index)
+        {
+            return mesh.Vertices.Point((int)mesh.Faces.Index(index));
         }
 
         private static HapticObject Told(HapticEffect effect)

@@ -42,8 +42,8 @@ if TYPE_CHECKING:
 # Maximum number of requests handled in one round.
 MAX_ROUND_REQUESTS = 64
 # Longest wait for requests in one round: while the output is armed; while it is not; and while nobody watches the state
-# either [s].
-MAX_WAIT, IDLE_WAIT, REST_WAIT = 0.005, 0.02, 0.05
+# either [s]. So late may the end of another process be noticed.
+MAX_WAIT, IDLE_WAIT, REST_WAIT = 0.01, 0.02, 0.05
 REST_PUBLISH_INTERVAL = 0.25  # shortest interval between two states that nobody watches [s]
 # Interval between two probes of the owner's link, and of the links of other clients [s].
 OWNER_PROBE_INTERVAL, OTHER_PROBE_INTERVAL = 0.025, 0.5
@@ -119,14 +119,16 @@ class ControlLoop:
 
     def run_round(self) -> None:
         """Answer the requests, then do the timed work. Raises ServerError if a process ends before all were ready."""
-        watchers, armed = self._sockets.watchers, self.sessions.lease.permit.armed
+        watchers, permit = self._sockets.watchers, self.sessions.lease.permit
         if self._stops:
             self._sockets.wait(MIN_WAIT)
-        elif self._supervisor.trusted and not (armed or watchers):
+        elif self._supervisor.trusted and not (permit.armed or watchers):
             self._sockets.wait(REST_WAIT)
         else:
-            due = min(self._due.values()) - self._clock()
-            self._sockets.wait(min(MAX_WAIT if armed else IDLE_WAIT, max(due, MIN_WAIT)))
+            due, longest = min(self._due.values()), IDLE_WAIT
+            if permit.armed:
+                due, longest = min(due, permit.until), MAX_WAIT
+            self._sockets.wait(min(longest, max(due - self._clock(), MIN_WAIT)))
         self._carry_out_stops()
         for peer, user, data in self._sockets.receive_requests(MAX_ROUND_REQUESTS):
             self._handle_request(peer, user, data)

@@ -9,7 +9,7 @@ namespace Pacinian.Haptics
     /// Converts the colliders of an object and of its children to one scaled solid, in the object's frame and the
     /// wire's axes.
     /// </summary>
-    internal static class ColliderShape
+    internal static class VolumeFromColliders
     {
         /// <summary>
         /// Collects the colliders of an object and of its children, except those of a child that has its own Haptic
@@ -54,74 +54,10 @@ namespace Pacinian.Haptics
             return problem.Length > 0 ? null : all.Parts.Count > 1 ? all : (ISolid)all.Parts[0];
         }
 
-        /// <summary>
-        /// Returns a number that changes when a collider is added, removed, enabled, disabled, resized or moved within
-        /// its object. It does not change when the whole object moves. It allocates nothing.
-        /// </summary>
-        public static long Fingerprint(List<Collider> colliders, Transform root)
-        {
-            long sum = colliders.Count;
-            for (int i = 0; i < colliders.Count; i++)
-            {
-                Collider collider = colliders[i];
-                Mix(ref sum, collider.GetHashCode());
-                Mix(ref sum, collider.enabled ? 1 : 0);
-                MixShape(ref sum, collider);
-                for (Transform at = collider.transform; at != root && at != null; at = at.parent)
-                {
-                    Quaternion turn = at.localRotation;
-                    Mix(ref sum, at.localPosition);
-                    Mix(ref sum, new Vector3(turn.x, turn.y, turn.z));
-                    Mix(ref sum, turn.w.GetHashCode());
-                    Mix(ref sum, at.localScale);
-                }
-            }
-            return sum;
-        }
-
         private static bool IsOfOther(Transform at, Transform root)
         {
             HapticVolume other;
             return at != root && at != null && (at.TryGetComponent(out other) || IsOfOther(at.parent, root));
-        }
-
-        private static void MixShape(ref long sum, Collider collider)
-        {
-            BoxCollider box = collider as BoxCollider;
-            SphereCollider sphere = collider as SphereCollider;
-            CapsuleCollider capsule = collider as CapsuleCollider;
-            MeshCollider mesh = collider as MeshCollider;
-            if (box != null)
-            {
-                Mix(ref sum, box.size);
-                Mix(ref sum, box.center);
-            }
-            if (sphere != null)
-            {
-                Mix(ref sum, sphere.radius.GetHashCode());
-                Mix(ref sum, sphere.center);
-            }
-            if (capsule != null)
-            {
-                Mix(ref sum, new Vector3(capsule.radius, capsule.height, capsule.direction));
-                Mix(ref sum, capsule.center);
-            }
-            if (mesh != null && mesh.sharedMesh != null)
-            {
-                Mix(ref sum, mesh.sharedMesh.GetHashCode());
-            }
-        }
-
-        private static void Mix(ref long sum, Vector3 value)
-        {
-            Mix(ref sum, value.x.GetHashCode());
-            Mix(ref sum, value.y.GetHashCode());
-            Mix(ref sum, value.z.GetHashCode());
-        }
-
-        private static void Mix(ref long sum, int value)
-        {
-            sum = unchecked(((sum << 7) ^ (sum >> 57)) * 1099511628211L + value);
         }
 
         private static IPiece One(Collider collider, Transform root, out string problem)
