@@ -35,13 +35,12 @@ from pacinian.solving.region_phases import settle_phases
 from pacinian.solving.solution import Solution
 from pacinian.solving.solution_check import (
     compute_objective,
-    determine_status,
     measure_pressures,
     measure_violations,
     relative_error,
 )
 from pacinian.solving.solution_reuse import find_multiple, scale_solution
-from pacinian.solving.solution_status import Status
+from pacinian.solving.solution_status import Status, determine_status
 from pacinian.solving.warm_start import carry_over
 
 if TYPE_CHECKING:
@@ -392,8 +391,8 @@ class Session:
         if finite:
             status = determine_status(
                 propagator, targets, miss,
-                broken=bool(broken), late=result.late, scaled=scaled, limited=result.limited or held,
-                unproven=result.unproven,
+                limit_violated=bool(broken), deadline_passed=result.late, scaled=scaled,
+                limited=result.limited or held, maybe_suboptimal=result.unproven,
             )  # fmt: skip
         return Solution(
             out, self.array, self.medium, points, targets, limits,
@@ -442,7 +441,7 @@ class Session:
             sound_pressure=p,
             status=determine_status(
                 self.propagator, targets, error,
-                broken=False, late=best.late, scaled=best.status is Status.scaled,
+                limit_violated=False, deadline_passed=best.late, scaled=best.status is Status.scaled,
                 limited=best.status is Status.limited,
             ),
             iterations=iterations,

@@ -13,7 +13,9 @@ GAS_CONSTANT = 8.314462618  # [J/(mol K)]
 MOLAR_MASS_DRY_AIR = 0.0289647  # [kg/mol]
 MOLAR_MASS_WATER = 0.01801528  # [kg/mol]
 ATMOSPHERE = 101_325.0  # [Pa]
-ROOM_TEMPERATURE = 22.0  # default temperature, of a heated or cooled room (19 to 25) [degC]
+# Default temperature, of a heated or cooled room (19 to 25) [degC]. These docs repeat it: concepts.md, scene-files.md,
+# server.md, studies.md.
+ROOM_TEMPERATURE = 22.0
 HUMIDITY = 0.5  # default relative humidity, of such a room
 EXPONENTS = {"spherical": 1.0, "none": 0.0, "absorbing": 1.0}
 

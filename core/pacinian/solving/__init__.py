@@ -31,12 +31,12 @@ What solvers share
 What comes out
     solution.py           `Solution`: field, pressure, force, plot, save
     solution_metrics.py   its figures: error, shape error, gap, count at the limit
-    solution_status.py    its status: ok, limited, scaled, deadline, ...
+    solution_status.py    its status (ok, limited, ...); the rules and tolerances that decide it
     solution_file.py      saved solutions
     solution_reuse.py     the last solution, scaled for a multiple of its targets
     solution_tables.py    xarray and pandas
 Evidence
-    solution_check.py     status, violated limits and proven bound, from the gains
+    solution_check.py     violated limits, error, objective and proven bound, from the gains
     gain_evaluation.py    the same in double precision, for any gains
     felt_regions.py       force, rms, holes and spill between and beside the samples
     surface_force.py      force on a surface, along its normals

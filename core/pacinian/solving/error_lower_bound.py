@@ -28,7 +28,7 @@ MAX_STEPS, MIN_STEP = 150, 1e-6
 MAX_CENTRED_STEP, TAU_DIVISOR = 0.25, 8.0
 # Largest relative gap at which to stop, and smallest bound to which the gap is relative.
 MAX_GAP, MIN_BOUND = 1e-2, 1e-6
-BEGIN = 0.2  # initial b, relative to ||B|| / sqrt(N)
+INITIAL_B = 0.2  # initial b, relative to ||B|| / sqrt(N)
 
 
 def least_error(B: Complexes, t: Floats) -> float:
@@ -41,7 +41,7 @@ def least_error(B: Complexes, t: Floats) -> float:
     M, N = B.shape
     if not N:
         return 1.0
-    b = np.full(N, BEGIN * float(np.linalg.norm(B)) / math.sqrt(N))
+    b = np.full(N, INITIAL_B * float(np.linalg.norm(B)) / math.sqrt(N))
     tau = float(b[0]) / 2.0
     a = np.full(M, float(np.linalg.eigvalsh(_schur(B, t, b)[0])[0]) - tau)
     value = _barrier(B, t, a, b, tau)

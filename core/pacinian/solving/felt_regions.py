@@ -29,10 +29,10 @@ NEAREST_QUERIED = 28
 TOUCHING_DISTANCE = 1e-5  # places up to this far from a transducer count as on it [m]
 # Distances of the places beside a region from the nearest sample [m].
 BESIDE_DISTANCES = 0.003, 0.004, 0.005
-AROUND = 12  # number of directions from a sample to places beside its region
+BESIDE_DIRECTIONS = 12  # number of directions from a sample to places beside its region
 MIN_FELT_SHARE = 0.5  # share of the target below which a place counts as a hole
-# Largest relative error of the force, and largest rms error, of a region that counts as even.
-MAX_FORCE_ERROR, MAX_RMS = 0.05, 0.10
+# Largest relative error of the force, and largest rms error, of a region that is within tolerance: `FeltRegion.even`.
+MAX_FORCE_ERROR, MAX_RMS_ERROR = 0.05, 0.10
 
 
 class FeltRegion(NamedTuple):
@@ -57,8 +57,12 @@ class FeltRegion(NamedTuple):
 
     @property
     def even(self) -> bool:
-        """Whether the region is as requested: force within 5 %, rms at most 0.10, no holes."""
-        return abs(self.force - 1.0) <= MAX_FORCE_ERROR and self.rms <= MAX_RMS and not self.holes
+        """Whether the region is within the tolerance of status `ok`: force within 5 %, rms at most 0.10, no holes.
+
+        Solvers use another measure for the strongest even field (`scale="max"`): its error at the samples.
+        """
+        within = abs(self.force - 1.0) <= MAX_FORCE_ERROR and self.rms <= MAX_RMS_ERROR
+        return within and not self.holes
 
 
 class FeltSums(NamedTuple):
@@ -135,10 +139,10 @@ class FeltPlaces:
             own = np.flatnonzero((targets.regions == number) & sounding)
             if not len(own):
                 continue
-            a, b, spacing = _neighbours(points[own])
+            a, b, spacing = _find_neighbours(points[own])
             first, second = np.append(first, own[a]), np.append(second, own[b])
             if len(own) > 1:
-                near, at = _around(points[own], MAX_NEIGHBOUR_DISTANCE * spacing, tree)
+                near, at = _find_places_around(points[own], MAX_NEIGHBOUR_DISTANCE * spacing, tree)
                 outside, of = np.concatenate([outside, near]), np.append(of, own[at])
         return cls._at(points, targets, facing, (first, second), outside, of)
 
@@ -260,7 +264,7 @@ class FeltPlaces:
         return found
 
 
-def _neighbours(points: Floats) -> tuple[Indices, Indices, float]:
+def _find_neighbours(points: Floats) -> tuple[Indices, Indices, float]:
     """Return pairs of neighbouring samples of a region, (M, 3) [m], and the median distance to the nearest [m].
 
     Samples in one place count as one. If all are in one place, the pair is that sample and itself.
@@ -281,7 +285,9 @@ def _neighbours(points: Floats) -> tuple[Indices, Indices, float]:
     return kept[first], kept[second], float(np.median(nearest[others]))
 
 
-def _around(points: Floats, radius: float, all_samples: KDTree) -> tuple[Floats, Indices]:
+def _find_places_around(
+    points: Floats, radius: float, all_samples: KDTree
+) -> tuple[Floats, Indices]:
     """Return places 3 to 5 mm from a sample, along the surface, and no nearer to any sample in `all_samples`.
 
     points: samples of one region, (M, 3) [m]. radius: neighbours within it determine the tangent plane [m]. Returns
@@ -290,7 +296,7 @@ def _around(points: Floats, radius: float, all_samples: KDTree) -> tuple[Floats,
     from scipy.spatial import KDTree
 
     tree = KDTree(points)
-    turns = 2.0 * np.pi * np.arange(AROUND) / AROUND
+    turns = 2.0 * np.pi * np.arange(BESIDE_DIRECTIONS) / BESIDE_DIRECTIONS
     places, at = [np.empty((0, 3))], [np.empty(0, np.intp)]
     for i, near in enumerate(tree.query_ball_point(points, radius)):
         away = points[near] - points[i]
@@ -298,8 +304,8 @@ def _around(points: Floats, radius: float, all_samples: KDTree) -> tuple[Floats,
         u, v = axes[:, 2], axes[:, 1]
         ring = np.cos(turns)[:, None] * u + np.sin(turns)[:, None] * v
         places.append(np.concatenate([points[i] + r * ring for r in BESIDE_DISTANCES]))
-        at.append(np.full(len(BESIDE_DISTANCES) * AROUND, i))
+        at.append(np.full(len(BESIDE_DISTANCES) * BESIDE_DIRECTIONS, i))
     found, which = np.concatenate(places), np.concatenate(at)
-    wanted = np.tile(np.repeat(BESIDE_DISTANCES, AROUND), len(points))
+    wanted = np.tile(np.repeat(BESIDE_DISTANCES, BESIDE_DIRECTIONS), len(points))
     free = all_samples.query(found)[0] >= 0.99 * wanted
     return found[free], which[free]

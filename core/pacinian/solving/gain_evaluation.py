@@ -14,14 +14,17 @@ from pacinian.solving.felt_regions import FeltPlaces
 from pacinian.solving.loudest_places import find_peak
 from pacinian.solving.propagator import Propagator
 from pacinian.solving.solution_check import (
-    TOLERANCE,
     compute_bound,
     compute_reached_multiple,
-    determine_status,
     measure_violations,
     relative_error,
 )
-from pacinian.solving.solution_status import Status
+from pacinian.solving.solution_status import (
+    TOLERANCE,
+    Status,
+    determine_status,
+    determine_status_between_points,
+)
 
 if TYPE_CHECKING:
     from pacinian.solving.problem import Limits
@@ -63,11 +66,11 @@ def certify(
         objective = math.nan
     quiet = propagator.quiet
     at_quiet = None if quiet is None else matrix(quiet.array, quiet.points, quiet.medium) @ g
-    broken = measure_violations(propagator, limits, last.targets, p, g, at_quiet)
+    violations = measure_violations(propagator, limits, last.targets, p, g, at_quiet)
     for zone in limits.zones:
         loudest = find_peak(propagator.array, propagator.medium, g, zone, points)
         if (over := loudest / zone.pressure - 1.0) > TOLERANCE:
-            broken["zones"] = max(over, broken.get("zones", over))
+            violations["zones"] = max(over, violations.get("zones", over))
     certified = dataclasses.replace(
         last,
         gains=g,
@@ -76,15 +79,15 @@ def certify(
             propagator,
             last.targets,
             relative_error(last.targets, p),
-            broken=bool(broken),
-            late=last.status is Status.deadline,
+            limit_violated=bool(violations),
+            deadline_passed=last.status is Status.deadline,
             scaled=last.status is Status.scaled,
             limited=last.status is Status.limited,
-            unproven=last.status is Status.approximate,
+            maybe_suboptimal=last.status is Status.approximate,
         ),
         bound=proven,
         objective=objective,
-        violations=broken,
+        violations=violations,
         least_error=least,
     )
     return measure_felt(propagator, certified)
@@ -108,8 +111,8 @@ def measure_felt(propagator: Propagator, solution: Solution) -> Solution:
         if targets.scale == "exact"
         else compute_reached_multiple(targets, solution.sound_pressure)
     )
-    felt, status = places.measure_felt(p, multiple), solution.status
-    if status is Status.ok and not all(part.even for part in felt):
-        held = solution.saturation > 0.0 or targets.scale == "max"
-        status = Status.limited if held else Status.approximate
+    felt = places.measure_felt(p, multiple)
+    status = determine_status_between_points(
+        solution.status, felt, limited=targets.scale == "max" or solution.saturation > 0.0
+    )
     return dataclasses.replace(solution, felt=felt, status=status)

@@ -24,10 +24,10 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes
 
 SINGLE, DOUBLE = np.dtype(np.complex64), np.dtype(np.complex128)
-PHASES = 2e-5  # rounding error of phases in single precision, at a distance of 0.4 m [rad]
+PHASE_ROUNDING = 2e-5  # rounding error of phases in single precision, at a distance of 0.4 m [rad]
 # Smallest reciprocal condition number of the Gram matrix at which its factor is used. For a singular matrix, LAPACK
 # returns 1e-8 (single) or 1e-16 (double), or less.
-TRUSTED: dict[np.dtype[Any], float] = {SINGLE: 2e-6, DOUBLE: 1e-12}
+MIN_RECIPROCAL_CONDITION: dict[np.dtype[Any], float] = {SINGLE: 2e-6, DOUBLE: 1e-12}
 MAX_STEPS = 20  # largest number of refinement steps; 2 or 3 are usual
 # Estimated times of a factor in double precision and of singular values, over that of a factor in single precision.
 DOUBLE_TIME, SINGULAR_TIME = 3.0, 16.0
@@ -91,7 +91,7 @@ class LeastSquares:
         """Return gains from the first factor that is good enough, None if none is; and the time of the first [s]."""
         least = 3.0 * self.rcond**2  # the condition number is an estimate
         start, seconds = budget.clock(), 0.0
-        for dtype, trusted in TRUSTED.items():
+        for dtype, trusted in MIN_RECIPROCAL_CONDITION.items():
             if dtype not in self._normals:
                 if seconds and not budget.affords(DOUBLE_TIME * seconds):
                     break
@@ -131,7 +131,7 @@ class Reduced:
         basis = columns.merge(B)
         if len(B) > basis.shape[1] > 0:
             normal = Normal.of(basis)
-            if normal.reciprocal_condition > TRUSTED[B.dtype]:
+            if normal.reciprocal_condition > MIN_RECIPROCAL_CONDITION[B.dtype]:
                 return cls(columns.spread(normal.upper.conj()), basis, normal.upper)
         Q, R = cast("tuple[Complexes, Complexes]", np.linalg.qr(basis))
         return cls(columns.spread(R), Q, None)
@@ -213,7 +213,7 @@ def compute_rounding_share(B: Complexes) -> float:
 
     This is max(M, N) eps; in single precision, at least the rounding of phases, which is 6e-8 k r or more.
     """
-    least = PHASES if B.dtype == np.complex64 else 0.0
+    least = PHASE_ROUNDING if B.dtype == np.complex64 else 0.0
     return max(least, float(max(1, *B.shape) * np.finfo(B.dtype).eps))
 
 

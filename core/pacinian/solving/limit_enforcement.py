@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.native import solving as kernels
-from pacinian.solving.solution_check import TOLERANCE, compute_excess_unit
+from pacinian.solving.solution_check import compute_excess_unit
+from pacinian.solving.solution_status import TOLERANCE
 
 if TYPE_CHECKING:
     from pacinian.solving.problem import Budget, Limits

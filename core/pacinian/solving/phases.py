@@ -15,11 +15,12 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Flags, Floats
 
 
-COLD, WARM = 20, 3  # Gerchberg-Saxton steps from scratch, and from the phases of the last solution
+# Gerchberg-Saxton steps from scratch, and from the phases of the last solution.
+COLD_STEPS, WARM_STEPS = 20, 3
 
 
 def gerchberg_saxton(
-    gram: Complexes, targets: Targets, start: Floats | None = None, steps: int = COLD
+    gram: Complexes, targets: Targets, start: Floats | None = None, steps: int = COLD_STEPS
 ) -> Complexes:
     """Return complex targets, (M,) [Pa], with phases chosen by Gerchberg-Saxton steps on the Gram matrix.
 
@@ -29,14 +30,14 @@ def gerchberg_saxton(
 
     gram: (M, M). start: initial phases [rad], (M,); quadratic ones by default.
     """
-    start = _spread(len(gram)) if start is None else start
+    start = _make_spread_phases(len(gram)) if start is None else start
     p, free = np.empty(len(gram), np.complex128), np.empty(len(gram), np.bool_)
     kernels.choose_phases(gram, targets.amplitudes, targets.phases, start, steps, p, free)
     return p
 
 
 @functools.lru_cache(maxsize=64)
-def _spread(count: int) -> Floats:
+def _make_spread_phases(count: int) -> Floats:
     """Return initial phases [rad], (count,). They are spread out, because equal phases may be a saddle point."""
     m = np.arange(count)
     start = np.pi * m * m / max(1, count)
@@ -85,4 +86,4 @@ def _choose_tall(
 
 def initial_phases(count: int, start: Floats | None) -> tuple[Floats, int]:
     """Return initial phases [rad], (count,), and the number of steps to take from there."""
-    return (_spread(count), COLD) if start is None else (start, WARM)
+    return (_make_spread_phases(count), COLD_STEPS) if start is None else (start, WARM_STEPS)

@@ -154,7 +154,7 @@ class Targets:
             self.phases, other.phases, equal_nan=True
         ):
             return math.nan
-        if not _alike(self.regions, other.regions):
+        if not _are_alike(self.regions, other.regions):
             return math.nan
         k = int(before.argmax())
         c = float(t[k] / before[k]) if before[k] else math.nan
@@ -220,7 +220,7 @@ def _fits(regions: np.ndarray[Any, Any], count: int) -> bool:
     return regions.shape == (count,) and regions.dtype == np.int64 and regions.flags.c_contiguous
 
 
-def _alike(a: Longs | None, b: Longs | None) -> bool:
+def _are_alike(a: Longs | None, b: Longs | None) -> bool:
     """Return whether both arrays assign the points to the same regions."""
     return a is b or (a is not None and b is not None and np.array_equal(a, b))
 
@@ -272,9 +272,9 @@ class Limits:
                     self, name, check_number(f"limits.{name}", value, low=low, high=high)
                 )
         if self.quiet is not None:
-            object.__setattr__(self, "quiet", _quiet(self.quiet))
+            object.__setattr__(self, "quiet", _check_quiet(self.quiet))
         if self.exact is not None:
-            object.__setattr__(self, "exact", _exact(self.exact))
+            object.__setattr__(self, "exact", _check_exact(self.exact))
 
     def __eq__(self, other: object) -> bool:
         if self is other:
@@ -343,7 +343,7 @@ def _are_equal(a: ArrayLike | tuple[ArrayLike, ...] | None, b: Any) -> bool:
     return a.dtype == b.dtype and np.array_equal(a, b)  # True is not index 1
 
 
-def _exact(given: ArrayLike) -> np.ndarray[Any, Any]:
+def _check_exact(given: ArrayLike) -> np.ndarray[Any, Any]:
     """Check and copy the indices or flags of exact samples."""
     try:
         chosen = np.array(given)
@@ -355,7 +355,7 @@ def _exact(given: ArrayLike) -> np.ndarray[Any, Any]:
     return chosen
 
 
-def _quiet(given: tuple[ArrayLike, ArrayLike]) -> tuple[Floats, Floats]:
+def _check_quiet(given: tuple[ArrayLike, ArrayLike]) -> tuple[Floats, Floats]:
     """Check and copy quiet points, (K, 3) [m], and their limits, (K,) [Pa]."""
     try:
         where, limit = given
@@ -374,7 +374,7 @@ def _quiet(given: tuple[ArrayLike, ArrayLike]) -> tuple[Floats, Floats]:
     return points, pressures
 
 
-def _go_on() -> bool:
+def _never_cancel() -> bool:
     """Return False: nothing cancels the solve."""
     return False
 
@@ -389,7 +389,7 @@ class Budget:
 
     due: float = math.inf
     clock: Callable[[], float] = field(default=time.perf_counter, repr=False)
-    is_cancelled: Callable[[], bool] = field(default=_go_on, repr=False)
+    is_cancelled: Callable[[], bool] = field(default=_never_cancel, repr=False)
 
     @classmethod
     def until(

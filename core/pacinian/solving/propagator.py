@@ -83,7 +83,7 @@ class Propagator:
         self._gram: Complexes | None = None
         self._powers: Floats | None = None
         self._factors: dict[float, Factor] = {}
-        self._spent: list[Factor] = []  # outdated factors, whose memory is reused
+        self._outdated_factors: list[Factor] = []  # outdated factors, whose memory is reused
         self._stale = np.ones(count, dtype=bool)  # outdated rows of the Gram matrix
         self._moved = True  # whether any row is outdated
 
@@ -116,7 +116,7 @@ class Propagator:
         if not count:
             return 0
         self.version += 1
-        self._spent.extend(self._factors.values())
+        self._outdated_factors.extend(self._factors.values())
         self._factors.clear()
         self._powers = None
         every = count == len(points)
@@ -243,7 +243,7 @@ class Propagator:
             self.work.factors_kept += 1
             return kept
         self.work.factors_built += 1
-        buffer = self._spent.pop().upper if self._spent else None
+        buffer = self._outdated_factors.pop().upper if self._outdated_factors else None
         factor = self._factors[mu] = Factor.of(self.gram, mu, buffer)
         return factor
 

@@ -36,7 +36,7 @@ COMPRESSED_SHARE = 0.7  # the same, for V with the fewest rows
 REPAIRED_SHARE = 0.9  # the same, for places that are found later
 MIN_PRESSURE_SHARE = 0.15  # V gets no rows for pressures below this share of the limit
 # Rows that are weaker than this, relative to the strongest row of a block, are left to the next block.
-DISTINCT = 1e-4
+MIN_ROW_RATIO = 1e-4
 MAX_BATCHES = 17  # largest number of batches of new places for which V is enlarged
 MAX_DIMENSION_SHARE = 0.8  # largest share of the N dimensions that V may take
 MIN_LIMIT = 1e-5  # lowest limit that single precision keeps, relative to full drive in the zone
@@ -204,7 +204,8 @@ def _enlarge(V: Gains, rest: Gains, bound: float, share: float) -> Gains:
         for _ in range(2):  # twice, because of rounding
             leave_out(V, X)
         power, ways = np.linalg.eigh(X @ X.conj().T)
-        kept = power > max((MIN_PRESSURE_SHARE * bound) ** 2, DISTINCT * DISTINCT * power[-1])
+        least = max((MIN_PRESSURE_SHARE * bound) ** 2, MIN_ROW_RATIO * MIN_ROW_RATIO * power[-1])
+        kept = power > least
         kept[: max(0, len(V) + len(block) - V.shape[1])] = False
         new = (ways[:, kept].conj().T @ X) / np.sqrt(power[kept])[:, None]
         new = new.astype(np.complex64)

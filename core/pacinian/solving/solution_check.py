@@ -1,4 +1,4 @@
-"""Evidence computed from the gains themselves: status, violated limits, and a proven bound."""
+"""Evidence computed from the gains themselves: violated limits, error, objective and a proven bound."""
 
 from __future__ import annotations
 
@@ -7,18 +7,14 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from pacinian.native import solving as kernels
-from pacinian.solving.solution_status import Status
+from pacinian.solving.solution_status import TOLERANCE
 
 if TYPE_CHECKING:
     from pacinian.solving.problem import Limits, Targets
     from pacinian.solving.propagator import Propagator
     from pacinian.types import Complexes, Floats, Gains
 
-TOLERANCE = 1e-3  # largest relative error at which targets and limits count as met
-# Largest relative error of the sound pressure at which targets of regions count as met; that of their radiation
-# pressure is then 10 %.
-REGION_TOLERANCE = 0.05
-ROUNDED = 1e-5  # excess over a limit, relative to it, that counts as rounding
+ROUNDING_TOLERANCE = 1e-5  # excess over a limit, relative to it, that counts as rounding
 # Share of full drive. The excess over a limit below this share is given relative to this share instead of the limit,
 # because rounding would dominate it.
 MIN_LIMIT_SHARE = 1e-2
@@ -41,7 +37,7 @@ def measure_violations(
         ("gain", limits.gain, float(np.abs(g).max())),
         ("power", limits.power, float(np.linalg.norm(g.astype(np.complex128)) ** 2)),
     ):
-        if top is not None and value > (1.0 + ROUNDED) * top:
+        if top is not None and value > (1.0 + ROUNDING_TOLERANCE) * top:
             found[name] = value / top - 1.0
     if propagator.quiet is not None and limits.quiet is not None:
         limit = np.asarray(limits.quiet[1], np.float64)  # (K,) [Pa]
@@ -79,14 +75,6 @@ def _compute_zone_excess(propagator: Propagator, limits: Limits, targets: Target
     )
 
 
-def _has_target_in_zone(propagator: Propagator, targets: Targets) -> bool:
-    """Return whether any target that is not 0 is in a quiet zone, where gains make no sound."""
-    quiet_subspace = propagator.quiet_subspace
-    return quiet_subspace is not None and bool(
-        targets.amplitudes[quiet_subspace.holds(propagator.points)].any()
-    )
-
-
 def measure_pressures(propagator: Propagator, g: Complexes) -> Complexes:
     """Return the sound pressures of gains, (N,), at the points, (M,) [Pa], also at those in quiet zones.
 
@@ -109,14 +97,14 @@ def compute_objective(
     g: Complexes,
     mu: float,
     quiet_weight: float,
-    miss: float | None = None,
+    error: float | None = None,
 ) -> float:
     """Return 1/2 sum_m w_m |t_m - p_m|^2 + mu/2 ||g||^2 for targets t of fixed phases [Pa^2].
 
-    p: pressures, (M,) [Pa], of gains g, (N,). quiet_weight: w_m of points beside regions; other points have 1. miss:
+    p: pressures, (M,) [Pa], of gains g, (N,). quiet_weight: w_m of points beside regions; other points have 1. error:
     relative error of p, if known.
     """
-    rest = (targets.relative_error(p) if miss is None else miss) * targets.norm
+    rest = (targets.relative_error(p) if error is None else error) * targets.norm
     quiet = p[targets.beside]
     rest = rest * rest + quiet_weight * float(np.vdot(quiet, quiet).real)
     return float(rest + mu * kernels.power(cast("Gains", g))) / 2.0
@@ -148,42 +136,3 @@ def relative_error(targets: Targets, p: Complexes) -> float:
 def compute_reached_multiple(targets: Targets, p: Complexes) -> float:
     """Return ||p|| / ||targets||, without points beside regions, for pressures p, (M,) [Pa]."""
     return float(np.linalg.norm(p[~targets.beside])) / targets.norm
-
-
-def determine_status(
-    propagator: Propagator,
-    targets: Targets,
-    miss: float,
-    *,
-    broken: bool,
-    late: bool,
-    scaled: bool,
-    limited: bool,
-    unproven: bool = False,
-) -> Status:
-    """Return the status, given the relative error `miss` and reports of the solver and of the limits.
-
-    broken: a limit is broken. late: the deadline passed. scaled: the gains were scaled down to the limits. limited: the
-    solver was held back by a limit. unproven: with `scale="max"`, stronger gains may exist. A target in a quiet zone
-    counts as broken, because nothing is made there.
-    """
-    if not targets.norm:
-        return Status.silent
-    if broken or _has_target_in_zone(propagator, targets):
-        return Status.deadline if late else Status.infeasible
-    if targets.scale == "max":
-        if late:
-            return Status.deadline
-        if unproven:
-            return Status.approximate
-        scaled = False
-    if miss <= (TOLERANCE if targets.regions is None else REGION_TOLERANCE):
-        return Status.ok
-    unheard = (targets.amplitudes > 0.0) & (propagator.powers == 0.0)  # or they underflow
-    if unheard.any() and not propagator.B[unheard].any(axis=1).all():
-        return Status.unreachable
-    if late:
-        return Status.deadline
-    if scaled:
-        return Status.scaled
-    return Status.limited if limited else Status.approximate

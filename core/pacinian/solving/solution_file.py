@@ -38,7 +38,8 @@ FORMAT = "pacinian solution"
 VERSION = 1
 MAX_BYTES = 256 << 20  # largest size of a file [bytes]
 DIGEST_BYTES = 32  # size of a SHA-256 digest [bytes]
-ROUNDED = 1e-4  # excess of a gain over its limit, relative to it, that counts as rounding
+# Excess of a gain over its limit, relative to it, that counts as rounding.
+ROUNDING_TOLERANCE = 1e-4
 
 
 class Numbers(Struct, frozen=True, forbid_unknown_fields=True):
@@ -321,7 +322,7 @@ def _check_evidence(solution: SolutionMetrics) -> None:
             "gain_limit", f"must be {top:g}, as in `limits`, not {solution.gain_limit:g}"
         )
     highest = float(np.abs(solution.gains).max(initial=0.0))
-    if highest > (1.0 + ROUNDED) * top and "gain" not in solution.violations:
+    if highest > (1.0 + ROUNDING_TOLERANCE) * top and "gain" not in solution.violations:
         raise ArgumentError("gains", f"must be at most {top:g}, their limit, not {highest:g}")
 
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from pacinian.solving.solution_metrics import SolutionMetrics
     from pacinian.types import Floats
 
-ELEMENTS = 1 << 22  # largest number of elements of B that are computed at once
+MAX_ELEMENTS_AT_ONCE = 1 << 22  # largest number of elements of B that are computed at once
 MIN_FLAT_COSINE = 1.0 - 1e-9  # smallest cosine between the normals of a flat surface
 
 
@@ -32,7 +32,7 @@ def surface_force(
         normals = -normals if aside < 0.0 else normals
     facing, propagator = SkinFacing(normals), Propagator(array, solution.medium)
     gains = solution.gains.astype(np.complex64)
-    rows, force = max(1, ELEMENTS // len(array)), 0.0
+    rows, force = max(1, MAX_ELEMENTS_AT_ONCE // len(array)), 0.0
     for first in range(0, len(points), rows):
         part = slice(first, first + rows)
         propagator.set_points(points[part], facing.only(part))

@@ -16,8 +16,7 @@ from pacinian.session import AIR, Session
 from pacinian.solving.problem import Budget, Limits
 from pacinian.solving.propagator import Propagator
 from pacinian.solving.region_phases import joint_phases
-from pacinian.solving.solution_check import REGION_TOLERANCE
-from pacinian.solving.solution_status import Status
+from pacinian.solving.solution_status import REGION_TOLERANCE, Status
 from pacinian.testing.conformance import a, call_with_limit, check_class, check_rules, require
 from pacinian.testing.problems import Problem, make_problems, make_random_points, make_regions
 

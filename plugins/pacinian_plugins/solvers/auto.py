@@ -86,7 +86,7 @@ class Auto(pc.Solver):
             result = self._many.solve(propagator, targets, limits, warm, budget, out)
             if budget.spent:
                 return _label_result(result._replace(late=True), self._many, "no time for more")
-            if self._enough(propagator, targets, limits, out):
+            if self._suffices(propagator, targets, limits, out):
                 return _label_result(
                     result, self._many, "more points than transducers, no limit touched"
                 )
@@ -101,10 +101,10 @@ class Auto(pc.Solver):
             and count * count * len(out) > MIN_DENSE_WORK
             and not budget.spent
         ):
-            return self._better(result, propagator, targets, limits, budget, out)
+            return self._improve(result, propagator, targets, limits, budget, out)
         return _label_result(result, solver, why)
 
-    def _better(
+    def _improve(
         self, first: pc.Result, propagator: pc.Propagator, targets: pc.Targets, limits: pc.Limits,
         budget: pc.Budget, out: pc.Gains,
     ) -> pc.Result:  # fmt: skip
@@ -122,7 +122,7 @@ class Auto(pc.Solver):
             first._replace(late=second.late), self._several, "many points close together"
         )
 
-    def _enough(
+    def _suffices(
         self, propagator: pc.Propagator, targets: pc.Targets, limits: pc.Limits, out: pc.Gains
     ) -> bool:
         """Return whether gains, (N,), keep their limit, and are optimal (all phases given) or meet `error`."""

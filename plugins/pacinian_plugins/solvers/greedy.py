@@ -19,10 +19,12 @@ if TYPE_CHECKING:
 
     from pacinian.types import Complexes, Floats, Singles
 
-BLOCK = 2_000_000  # pressures evaluated between two checks of the clock: some milliseconds
-AIM = 0.7  # targets relative to a focus at the common drive
-LOUD = 0.9  # the same for scale="max", at full drive
-MAX_RATIO = 10.0  # largest value of that ratio, so that single precision resolves one transducer
+# Pressures evaluated between two checks of the clock: some milliseconds.
+MAX_UNCHECKED_PRESSURES = 2_000_000
+TARGET_RATIO = 0.7  # targets relative to a focus at the common drive
+STRONGEST_TARGET_RATIO = 0.9  # the same for scale="max", at full drive
+# Largest value of that ratio, so that single precision resolves one transducer.
+MAX_TARGET_RATIO = 10.0
 
 
 @dataclass(frozen=True)
@@ -72,7 +74,7 @@ class Greedy(pc.Solver):
         t, drive = _choose_drive(t, float(reach[t > 0.0].mean()), targets.scale, limits.gain)
         given = np.exp(1j * np.where(targets.free, 0.0, targets.phases))
         fixed = np.where(targets.free, 0.0, t) * given  # subtracted, so that their target becomes 0
-        h = np.zeros(N, np.complex64) if warm is None else _unit(warm.gains)
+        h = np.zeros(N, np.complex64) if warm is None else _normalise(warm.gains)
         p = B @ h - fixed
         parts = np.array([h.real, h.imag], np.float32), np.array([p.real, p.imag], np.float32)
         done, late = self._pass_over(columns, np.where(targets.free, t, 0.0), *parts, budget)
@@ -91,7 +93,7 @@ class Greedy(pc.Solver):
         N, _, M = B.shape
         angle = 2.0 * np.pi * np.arange(self.levels) / self.levels
         E = np.array([np.cos(angle), np.sin(angle)], np.float32)
-        block = max(1, BLOCK // (M * self.levels))
+        block = max(1, MAX_UNCHECKED_PRESSURES // (M * self.levels))
         random = np.random.default_rng(self.seed)
         for done in range(1, self.passes + 1):
             order, changed = random.permutation(N), 0
@@ -111,12 +113,12 @@ def _choose_drive(t: Floats, reach: float, scale: str, limit: float | None) -> t
     """
     need = float(np.linalg.norm(t)) / reach
     if scale == "max":
-        return t * (LOUD / need), limit or 1.0
-    drive = need / AIM if limit is None else min(limit, need / AIM)
-    return t * (min(1.0, MAX_RATIO * drive / need) / drive), drive
+        return t * (STRONGEST_TARGET_RATIO / need), limit or 1.0
+    drive = need / TARGET_RATIO if limit is None else min(limit, need / TARGET_RATIO)
+    return t * (min(1.0, MAX_TARGET_RATIO * drive / need) / drive), drive
 
 
-def _unit(g: pc.Gains) -> Complexes:
+def _normalise(g: pc.Gains) -> Complexes:
     """Return g / |g|, 0 where g is 0."""
     size = np.abs(g)
     return np.asarray(g / np.where(size > 0.0, size, 1.0), np.complex64)

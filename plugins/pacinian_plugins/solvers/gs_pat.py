@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from pacinian.types import Complexes
 
-BLOCK = 100_000  # products between two checks of the clock
+MAX_UNCHECKED_PRODUCTS = 100_000  # products between two checks of the clock
 MIN_REMAINDER = 1e-6  # |R z| / |z| below which only rounding is left
 
 
@@ -65,27 +65,27 @@ class GsPat(pc.Solver):
         d = np.where(d > 0.0, d, 1.0)
         R = None if tall else propagator.gram / d
 
-        def sent(z: Complexes) -> Complexes:
+        def apply_R(z: Complexes) -> Complexes:
             """Return R z."""
             return propagator.apply(propagator.adjoint(z / d)) if R is None else R @ z
 
         m = np.arange(M)
         start = np.pi * m * m / M if warm is None else np.angle(warm.sound_pressure)
         z: Complexes = t * np.exp(1j * np.where(targets.free, start, targets.phases))
-        done, late, block = 0, False, max(1, BLOCK // M**2)
+        done, late, block = 0, False, max(1, MAX_UNCHECKED_PRODUCTS // M**2)
         while done < self.steps and not late:
             count = 1 if R is None else min(block, self.steps - done)
             if R is not None:
                 gerchberg_saxton(R, targets.free, count, z)
             else:
-                q = sent(z)
+                q = apply_R(z)
                 turn = targets.free & (q != 0.0)
                 z[turn] = t[turn] * np.exp(1j * np.angle(q[turn]))
             done += count
             late = done < self.steps and budget.spent
-        reached = np.abs(sent(z))
+        reached = np.abs(apply_R(z))
         z *= t / np.where(reached > 0.0, reached, 1.0)
-        made = sent(z)
+        made = apply_R(z)
         angle = np.where(targets.free, np.angle(made), targets.phases)
         power = float(np.vdot(made, made).real)
         if power <= MIN_REMAINDER**2 * float(np.vdot(z, z).real):

@@ -105,7 +105,7 @@ class Lbfgs(pc.Solver):
 
         late = False
 
-        def look(intermediate_result: optimize.OptimizeResult) -> None:
+        def stop_if_done(intermediate_result: optimize.OptimizeResult) -> None:
             nonlocal late
             late = budget.spent
             if late or intermediate_result.fun <= 0.5:
@@ -113,7 +113,7 @@ class Lbfgs(pc.Solver):
 
         start = np.concatenate([np.arcsin(np.minimum(np.abs(h), MAX_START)), np.angle(h)])
         result = optimize.minimize(
-            problem.value, start, method="L-BFGS-B", jac=True, callback=look,
+            problem.value, start, method="L-BFGS-B", jac=True, callback=stop_if_done,
             options={
                 "maxiter": self.steps, "maxfun": 2 * self.steps, "maxcor": self.memory,
                 "ftol": MIN_DECREASE, "gtol": 0.0,

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 MAX_CHOLESKY_POINTS = 256  # samples up to which the propagator's own Cholesky factor is fastest
 # least reciprocal condition number with which that factor is used
 MIN_RECIPROCAL_CONDITION = {np.dtype(np.complex64): 1e-5, np.dtype(np.complex128): 1e-10}
-LIFT = 1e-4  # regularisation if the time is short, relative to trace(B B^H) / M
+HURRIED_MU = 1e-4  # regularisation if the time is short, relative to trace(B B^H) / M
 
 
 @dataclass(frozen=True)
@@ -94,7 +94,7 @@ class PseudoInverse(pc.Solver):
 def _approximate(propagator: pc.Propagator, p: Complexes) -> tuple[Complexes, str]:
     """Return gains that take a small part of the time, and a note."""
     M, N = propagator.B.shape
-    if M <= N and (factor := propagator.factor(LIFT * propagator.power)).definite:
+    if M <= N and (factor := propagator.factor(HURRIED_MU * propagator.power)).definite:
         return propagator.adjoint(factor.solve(p)).astype(np.complex128), "regularised: no time"
     g = propagator.adjoint(p).astype(np.complex128)
     made = propagator.apply(g)

@@ -9,7 +9,13 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from pacinian.solving.column_groups import ColumnGroups
-from pacinian.solving.least_squares import TRUSTED, LeastSquares, Normal, Reduced, refine
+from pacinian.solving.least_squares import (
+    MIN_RECIPROCAL_CONDITION,
+    LeastSquares,
+    Normal,
+    Reduced,
+    refine,
+)
 from pacinian.solving.problem import Budget
 
 CUT = 1e-11
@@ -131,7 +137,7 @@ def test_no_step_starts_that_would_end_after_the_deadline(decades: float, due: f
 
 @pytest.mark.parametrize("shape", [(0, 0), (0, 3), (3, 0), (2, 3)])
 def test_nothing_is_silence(shape: tuple[int, int]) -> None:
-    for dtype in TRUSTED:
+    for dtype in MIN_RECIPROCAL_CONDITION:
         g, _ = LeastSquares.of(np.zeros(shape, dtype)).solve(np.ones(shape[0], dtype))
         np.testing.assert_array_equal(g, np.zeros(shape[1]))
 
@@ -151,7 +157,7 @@ def test_prepared_once_it_solves_for_many(shape: tuple[int, int], decades: float
         assert error < 1e-14 * 10.0**decades
 
 
-@pytest.mark.parametrize("dtype", TRUSTED)
+@pytest.mark.parametrize("dtype", MIN_RECIPROCAL_CONDITION)
 @given(M=SIZES, N=st.integers(2, 20), seed=SEEDS, offset=st.sampled_from([0.0, 10.0]))
 def test_a_singular_gram_matrix_is_not_trusted(
     dtype: Any, M: int, N: int, seed: int, offset: float
@@ -160,7 +166,7 @@ def test_a_singular_gram_matrix_is_not_trusted(
     B[:, 0] = B[:, 1:].mean(axis=1)
     for A in (B, B.T.copy()):
         factor = Normal.of(A.astype(dtype))
-        assert factor.reciprocal_condition < TRUSTED[np.dtype(dtype)]
+        assert factor.reciprocal_condition < MIN_RECIPROCAL_CONDITION[np.dtype(dtype)]
 
 
 @pytest.mark.parametrize("shape", [(40, 20), (20, 40)])

@@ -11,10 +11,10 @@ import pacinian as pc
 from pacinian.testing import ManualClock
 from pacinian_plugins.native.lagrange import RegionWorkspace
 from pacinian_plugins.solvers.lagrange.regions import (
-    MAX_BLOCK,
+    MAX_BLOCK_SIZE,
+    MAX_BLOCK_WIDTH,
+    MAX_SINGLE_BLOCK_SIZE,
     MAX_STRIDE,
-    MAX_WHOLE,
-    MAX_WIDTH,
     MIN_COLUMNS,
     Ascent,
     divide_samples,
@@ -136,14 +136,14 @@ def test_blocks_hold_each_sample_once_and_are_small(seed, M, size, width):
     q = size * np.random.default_rng(seed).random((M, 3)) * [1.0, 0.4, 0.1]
     blocks = divide_samples(q, width)
     assert sorted(np.concatenate(blocks)) == list(range(M))
-    assert max(map(len, blocks)) <= (MAX_WHOLE if len(blocks) == 1 else MAX_BLOCK)
+    assert max(map(len, blocks)) <= (MAX_SINGLE_BLOCK_SIZE if len(blocks) == 1 else MAX_BLOCK_SIZE)
     assert all(np.ptp(q[block], axis=0).max() <= width for block in blocks)
 
 
 def test_a_sample_far_away_has_a_block_of_its_own():
     q = 0.05 * np.random.default_rng(0).random((200, 3))
     q[17] = 1.0
-    assert sorted(map(len, divide_samples(q, MAX_WIDTH))) == [1, 199]
+    assert sorted(map(len, divide_samples(q, MAX_BLOCK_WIDTH))) == [1, 199]
 
 
 def test_blocks_that_do_not_hold_the_samples_are_refused():
@@ -167,7 +167,7 @@ def test_a_wide_region_takes_fewer_products_with_blocks():
     M = len(q)
     p = 0.01 * np.abs(B).sum(axis=1).mean() * np.exp(1j * pc.joint_phases(array, q, pc.Air()))
     mu, asked = MU * float((np.abs(B) ** 2).sum()) / M, []
-    for width in (math.inf, MAX_WIDTH):
+    for width in (math.inf, MAX_BLOCK_WIDTH):
         Counts.asked = 0
         blocks = divide_samples(q, width)
         _, space = run(B, p, np.ones(M), mu, np.zeros(M, complex), Counts(), blocks)

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian.solving.solution_check import REGION_TOLERANCE
+from pacinian.solving.solution_status import REGION_TOLERANCE
 from pacinian_plugins.native.lagrange import RegionWorkspace
 from pacinian_plugins.solvers.lagrange import regions
 

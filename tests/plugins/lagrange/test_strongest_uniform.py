@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import pacinian as pc
-from pacinian.solving.solution_check import REGION_TOLERANCE
+from pacinian.solving.solution_status import REGION_TOLERANCE
 
 from ..problems import optimum
 

@@ -6,7 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.scene.sampling.pose_prediction import BLEND_TIME, MAX_BLENDED_ERROR
+from pacinian.scene.sampling.pose_prediction import (
+    BLEND_TIME,
+    MAX_BLENDED_ERROR,
+    compute_blend_factor,
+)
 from pacinian.scene.sampling.posed_skin import PosedSkin
 
 if TYPE_CHECKING:
@@ -48,7 +52,7 @@ class HandTrack:
         if hand is not self._given and not (self._given is not None and hand.same(self._given)):
             before, self._given = self._given, hand
             if not hand.lost:
-                self._take(hand, t)
+                self._accept_update(hand, t)
             elif before is not None and before is self._last and before.time is None:
                 self._seen = t  # a hand without a time counts as seen until it is lost
         last = self._last
@@ -72,7 +76,7 @@ class HandTrack:
 
     def pose_seen(self, skin: PosedSkin, t: float) -> PosedSkin:
         """Return the skin where the last update puts it at time t [s], without the blend. skin: from `pose_skin`."""
-        f = 1.0 - (t - self._since) / BLEND_TIME
+        f = compute_blend_factor(self._since, t)
         d = self._offset
         if (
             d is None
@@ -90,7 +94,7 @@ class HandTrack:
         timed = given is not None and (given.lost or given.time is not None)
         return timed or (self._offset is not None and t < self._since + BLEND_TIME)
 
-    def _take(self, hand: Hand, t: float) -> None:
+    def _accept_update(self, hand: Hand, t: float) -> None:
         """Accept a new update of a hand that is not lost."""
         was = None if self._last is None else self._blend_hand(self._last, t)
         self._seen = t if hand.time is None else hand.time
@@ -108,7 +112,7 @@ class HandTrack:
 
     def _blend_hand(self, hand: Hand, t: float) -> Hand:
         now = self._extrapolate(hand, t)
-        f = 1.0 - (t - self._since) / BLEND_TIME
+        f = compute_blend_factor(self._since, t)
         if self._offset is None or f <= 0.0:
             self._offset = None
             return now

@@ -17,8 +17,10 @@ if TYPE_CHECKING:
     from pacinian.scene.sampling.sample_counts import SampleCounts
     from pacinian.scene.sampling.samples import Samples
 
-MERGE_SHARE = 0.5  # isolated samples of different objects merge if they are nearer than this fraction of the spacing
-MERGE_DISTANCE = 1e-6  # samples of different regions merge if they are nearer than this [m]
+# Isolated samples of different objects merge if they are nearer than this fraction of the spacing.
+MERGE_SPACING_FRACTION = 0.5
+# Largest distance of samples at the same place [m]. Samples of regions, and with `strict` all samples, merge only then.
+SAME_PLACE_DISTANCE = 1e-6
 MAX_MERGE_SAMPLES = 2048  # largest number of samples that are considered for merging
 
 
@@ -40,9 +42,9 @@ def merge_samples(
     sizes = [len(part) for part in parts]
     source = np.repeat(np.arange(len(parts)), sizes)
     group = np.repeat(_number_groups(items), sizes)
-    apart = MERGE_SHARE * (SPACING_WITHOUT_ARRAY if spacing is None else spacing)
-    radius = np.full(M, MERGE_DISTANCE if strict else apart)
-    radius[whole.regions != ISOLATED] = MERGE_DISTANCE
+    apart = MERGE_SPACING_FRACTION * (SPACING_WITHOUT_ARRAY if spacing is None else spacing)
+    radius = np.full(M, SAME_PLACE_DISTANCE if strict else apart)
+    radius[whole.regions != ISOLATED] = SAME_PLACE_DISTANCE
     P, area, kept = np.empty(M), np.empty(M), np.empty(M, dtype=np.bool_)
     gone = merge(
         whole.positions, whole.radiation_pressure, whole.area, source, group, radius,

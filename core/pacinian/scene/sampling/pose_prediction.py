@@ -17,6 +17,14 @@ MAX_BLENDED_ERROR = 0.05  # a larger prediction error is a teleport, which is no
 MAX_OBJECTS = 4096  # largest number of tracked objects
 
 
+def compute_blend_factor(since: float, t: float) -> float:
+    """Return the factor at time t [s] on the prediction error of an update at time `since` [s].
+
+    It falls from 1 to 0 within `BLEND_TIME`, and is then negative: nothing is left to blend.
+    """
+    return 1.0 - (t - since) / BLEND_TIME
+
+
 @dataclass
 class _Track:
     item: Object
@@ -29,7 +37,7 @@ class _Track:
         assert motion is not None  # objects without a motion are not tracked
         now = motion.pose(self.item.pose, t)
         self.since = min(self.since, t)  # time may jump back
-        f = 1.0 - (t - self.since) / BLEND_TIME
+        f = compute_blend_factor(self.since, t)
         if f <= 0.0 or (self.offset == (0.0, 0.0, 0.0) and self.turn == UPRIGHT):
             return now
         (x, y, z), (u, v, w) = now.position, self.offset

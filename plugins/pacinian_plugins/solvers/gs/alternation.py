@@ -16,12 +16,12 @@ if TYPE_CHECKING:
 
 MIN_ABS = 1e-18  # least |x| whose square does not underflow in single precision
 # limits between two checks of the clock: number of steps; steps times elements of B
-BLOCK, MAX_WORK = 10, 1_000_000
+MAX_UNCHECKED_STEPS, MAX_UNCHECKED_WORK = 10, 1_000_000
 MAX_TARGET = 1000.0  # largest targets, as a multiple of a focus
 # Share of the limit from which a transducer counts as at its limit: less than `AT_LIMIT` of other solvers, because
 # the last scaling lowers gains that the steps have clipped.
 NEAR_LIMIT = 0.999
-CONVERGED = 1e-4  # relative error of the amplitudes at which the weights have converged
+CONVERGED_ERROR = 1e-4  # relative error of the amplitudes at which the weights have converged
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +56,7 @@ class Alternation:
         u = np.exp(1j * np.where(free, start, self.targets.phases))
         w = np.where(asked, 1.0 / np.where(asked, d, 1.0), 0.0)
         h, p = np.zeros((2, N), np.float32), np.zeros(M, np.complex128)
-        block = min(BLOCK, max(1, MAX_WORK // B.size))
+        block = min(MAX_UNCHECKED_STEPS, max(1, MAX_UNCHECKED_WORK // B.size))
         done, late = 0, False
         while done < steps and not late:
             if done == hold > 0:
@@ -64,7 +64,7 @@ class Alternation:
             count = min(block, (hold if done < hold else steps) - done, steps - done)
             floor = iterate(planes, t, free, exponent, floor, count, w, u, h, p)
             done += count
-            if exponent and _spread(np.abs(p[asked]), t[asked]) <= CONVERGED:
+            if exponent and _measure_shape_error(np.abs(p[asked]), t[asked]) <= CONVERGED_ERROR:
                 break
             late = done < steps and self.budget.spent
         return self._write(h, p, t, unit, done, late)
@@ -82,7 +82,7 @@ class Alternation:
         return pc.Result(iterations=done, limited=at_limit, late=late)
 
 
-def _spread(p: Floats, t: Floats) -> float:
+def _measure_shape_error(p: Floats, t: Floats) -> float:
     """Return ||p - s t|| / ||s t|| for the best multiple s."""
     along = float(p @ t) / float(t @ t)
     return float(np.linalg.norm(p - along * t) / np.linalg.norm(along * t))

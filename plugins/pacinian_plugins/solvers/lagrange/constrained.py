@@ -12,7 +12,7 @@ from pacinian.solving.least_squares import Reduced
 from pacinian.solving.phases import choose_phases
 from pacinian.solving.propagator import gram_matrix, mean_square
 from pacinian_plugins.solvers.lagrange.convex import Answer, least_squares, maximise_scale
-from pacinian_plugins.solvers.lagrange.strongest_phases import optimise_free_phases
+from pacinian_plugins.solvers.lagrange.lbfgs_phases import optimise_free_phases
 from pacinian_plugins.solvers.lagrange.strongest_uniform import find_strongest_uniform
 
 if TYPE_CHECKING:
@@ -23,9 +23,8 @@ MAX_MET_ERROR = 1e-4  # relative error at which free phases are not chosen again
 SEARCH_GAP = 1e-3  # relative gap that suffices while searching for the strongest even distribution
 # Relative gap up to which the strongest solution for given phases counts as proven.
 MAX_PROVEN_GAP = 0.01
-MIN_IMPROVEMENT = (
-    0.02  # least relative decrease of the error in one round of new phases; less ends the rounds
-)
+# Least relative decrease of the error in one round of new phases; less ends the rounds.
+MIN_IMPROVEMENT = 0.02
 
 
 class Found(NamedTuple):
@@ -76,13 +75,13 @@ class Constrained:
         best: Found | None = None
         start: Complexes | None = None
         for _ in range(rounds):
-            down = self._down(p)
+            down = self._reduce(p)
             answer = least_squares(
                 self.A, down, mu=self.mu,
                 gram=self.gram, exact=exact, quiet=self._quiet, gain=limits.gain is not None,
                 power=self._power, start=start, budget=budget,
             )  # fmt: skip
-            found = self._restate_bound(self._found(answer), p, down, exact)
+            found = self._restate_bound(self._evaluate(answer), p, down, exact)
             improved = best is None or found.error < (1.0 - MIN_IMPROVEMENT) * best.error
             better = best is None or (answer.kept, -found.error) > (best.answer.kept, -best.error)
             best = found if better else best
@@ -118,17 +117,17 @@ class Constrained:
         if self.reduced is None:
             answer = optimise_free_phases(solve, p, targets.free, budget)
             if answer.strength > 0.0:
-                return self._found(answer)._replace(unproven=answer.gap > MAX_PROVEN_GAP)
+                return self._evaluate(answer)._replace(unproven=answer.gap > MAX_PROVEN_GAP)
             most = -answer.bound * float(np.linalg.norm(p)) / math.sqrt(mean_square(self.gram))
             unproven = most > MAX_PROVEN_GAP  # relative to the pressure of one transducer
         some = None if quiet is None else np.zeros_like(quiet)  # the strength is free
         nearest = least_squares(
-            self.A, self._down(p), mu=self.mu, gram=self.gram, quiet=some, gain=False,
+            self.A, self._reduce(p), mu=self.mu, gram=self.gram, quiet=some, gain=False,
             budget=budget,
         )  # fmt: skip
-        return self._found(nearest)._replace(unproven=unproven)
+        return self._evaluate(nearest)._replace(unproven=unproven)
 
-    def solve_evenly(self) -> Found:
+    def solve_strongest_uniform(self) -> Found:
         """Find the largest even multiple of a region's targets within the limits; see `find_strongest_uniform`."""
         _, targets, limits, _, budget, _ = self.problem
         answers = list[Answer]()
@@ -137,7 +136,7 @@ class Constrained:
 
         def attempt(some: Complexes) -> Complexes:
             answer = least_squares(
-                self.A, self._down(some), mu=self.mu, gram=self.gram, quiet=self._quiet,
+                self.A, self._reduce(some), mu=self.mu, gram=self.gram, quiet=self._quiet,
                 gain=limits.gain is not None, power=self._power, tolerance=SEARCH_GAP,
                 start=answers[-1].y if answers else None, budget=budget,
             )  # fmt: skip
@@ -146,7 +145,7 @@ class Constrained:
 
         reach[targets.beside] = 0.0
         find_strongest_uniform(p, reach, attempt, budget)
-        return self._found(answers[-1])
+        return self._evaluate(answers[-1])
 
     def _restate_bound(
         self, found: Found, p: Complexes, down: Complexes, exact: Flags | None
@@ -155,7 +154,7 @@ class Constrained:
         answer = found.answer
         soft = ~exact if exact is not None and answer.kept else slice(None)
         asked = self.problem.targets.complex(np.angle(found.made)) / self.unit
-        turned = self._down(asked)
+        turned = self._reduce(asked)
         moved = float(np.vdot(answer.y[: len(down)], turned - down).real)
         before, after = (float(np.linalg.norm((a - found.made)[soft])) ** 2 for a in (p, asked))
         return found._replace(
@@ -163,7 +162,7 @@ class Constrained:
             objective=answer.objective + _compute_loss(p, down) + (after - before) / 2.0,
         )
 
-    def _down(self, p: Complexes) -> Complexes:
+    def _reduce(self, p: Complexes) -> Complexes:
         """Return targets, (M,), in the rows of A."""
         return p if self.reduced is None else self.reduced.down(p)
 
@@ -177,7 +176,7 @@ class Constrained:
         power = self.problem.limits.power
         return None if power is None else power / self.unit**2
 
-    def _found(self, answer: Answer) -> Found:
+    def _evaluate(self, answer: Answer) -> Found:
         made = self._compute_made(answer)
         return Found(answer, made, self.problem.targets.relative_error(made * self.unit))
 

@@ -32,12 +32,16 @@ from pacinian_plugins.native.lagrange import (
     solve_primal,
     write_gains,
 )
-from pacinian_plugins.solvers.lagrange.newton_time import has_time
+from pacinian_plugins.solvers.lagrange.multistart import (
+    CANDIDATES_PER_START,
+    count_other_starts,
+    make_start,
+    rate_starts,
+)
+from pacinian_plugins.solvers.lagrange.newton_time import affords_newton_step
 from pacinian_plugins.solvers.lagrange.reference import Refined, refine_certified, solve_newton
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     import pacinian as pc
     from pacinian.types import Complexes, Floats, Gains, Singles
     from pacinian_plugins.native.lagrange import Workspace
@@ -50,9 +54,6 @@ MAX_EQUALISE_STEPS = 24  # weighted Gerchberg-Saxton steps, in stage 3
 MAX_PRIMAL_STEPS = 80  # Newton steps on the gains, in stage 4
 ROUGH_SAVING = 3e-4  # least relative saving of a step in stage 4, when starts are compared
 FINAL_SAVING = 1e-5  # the same, for the final steps
-FEW_SAMPLES = 16  # most samples for which other starts are tried
-RATED_STARTS = 3  # number of starts that are rated for each one that is continued
-GOLDEN_FRACTION = 0.6180339887  # phase increment of the starts [turns]
 # relative error from which continuing with the current phases is not worthwhile
 MAX_PHASE_ERROR = 0.2
 SOFTENED_MU_FACTORS = 1e-1, 3e-2, 1e-2, 3e-3, 1e-3  # increased mu, relative to trace(G) / M
@@ -62,8 +63,8 @@ MAX_STAGE_3_4_WORK = 200_000_000  # M M N up to which stages 3 and 4 are tried: 
 MAX_TWO_START_WORK = 1_000_000
 MAX_UNCHECKED_WORK = 5_000_000  # M M N of the steps between two checks of the clock
 MAX_STRONGEST_STEPS = 80  # weighted steps in the search for the strongest solution
-SHARE_RESOLUTION = 0.004  # of the share of full drive, in that search
-MIN_SHARE = 0.5  # smallest share of full drive that the search tries
+DRIVE_RESOLUTION = 0.004  # resolution of the fraction of full drive in that search
+MIN_DRIVE_FRACTION = 0.5  # smallest fraction of full drive that the search tries
 MAX_PROPORTION_ERROR = 5e-4  # relative error up to which proportions count as kept
 MIN_MET_SCALE = 0.999  # multiple of the targets at full drive below which they cannot be met
 
@@ -74,10 +75,10 @@ class NewtonResult(NamedTuple):
     error: float  # ||targets - made|| / ||p||, where free phases are those made
     steps: int
     late: bool
-    at_limit: int  # number of transducers at their limit
+    saturated_count: int  # number of transducers at their limit
     bound: float  # [Pa^2] for unit limits
     objective: float
-    share: float = 0.0  # share of full drive that the strongest solution uses
+    drive_fraction: float = 0.0  # fraction of full drive that the strongest solution uses
 
 
 class Candidate(NamedTuple):
@@ -96,8 +97,8 @@ class Candidate(NamedTuple):
 class GainLimitedNewton:
     """One problem and its progress. workspace: has the targets, and the multipliers to start from.
 
-    starts: additional starting phases to try if the given ones do not suffice. late: whether the time ran out before
-    the first start had finished; additional starts do not count.
+    starts: number of additional starting phases to try if the given ones do not suffice. If the time runs out only
+    while they are tried, the result is not late. late: whether a step was left out because it would have been too late.
     """
 
     B: Complexes
@@ -112,80 +113,89 @@ class GainLimitedNewton:
     late: bool = False
 
     def run(self) -> NewtonResult:
-        """Write the gains, starting from the multipliers in the workspace."""
-        error, converged = self._newton()
-        if error > (CONVERGED_ERROR if converged else MAX_MET_ERROR) and not self.budget.spent:
-            error = self._continue_after_stall(error)
-            late = self.late or self.budget.spent
-            if error > MAX_MET_ERROR and not late and self._other_starts:
-                error = self._try_other_starts(error)
-            self._certify_and_write()
-            self.late = late
-        else:
-            self.late |= self.budget.spent
-        return self._make_result(error)
+        """Write the gains that are nearest to the targets, starting from the multipliers in the workspace."""
+        error, converged = self._take_dual_steps()
+        missed = error > (CONVERGED_ERROR if converged else MAX_MET_ERROR)
+        if not missed or self.budget.spent:
+            return self._make_result(error, late=self.budget.spent or self.late)
+        error = self._continue_after_stall(error)
+        late = self.late or self.budget.spent
+        if error > MAX_MET_ERROR and not late and self._other_starts:
+            error = self._try_other_starts(error)
+        self._certify_and_write()
+        return self._make_result(error, late=late)
 
     def _certify_and_write(self) -> None:
         """Write the current gains, and the bound that the current multipliers prove."""
         certify(self.mu, self.workspace)
         write_gains(self.workspace.h, self.unit, self.out)
 
-    def _make_result(self, error: float) -> NewtonResult:
+    def _make_result(self, error: float, *, late: bool) -> NewtonResult:
         """Return the current result with its bound and objective."""
         w = self.workspace
-        return NewtonResult(error, self.steps, self.late, w.held, w.bound, w.objective)
+        return NewtonResult(error, self.steps, late, w.held, w.bound, w.objective)
 
     def solve_strongest(self) -> NewtonResult:
         """Write gains for the largest multiple of the targets, whose phases are all free.
 
-        Full drive gives the best phases and an estimate of the multiple. A bisection over shares of this estimate,
-        with Newton steps for each, then finds the multiple.
+        Full drive gives the best phases and an estimate of the multiple. A bisection over fractions of this
+        estimate, with Newton steps for each, then finds the multiple.
         """
         w, p = self.workspace, self.workspace.p.copy()
-        top = self._find_strongest_phases()
-        start, weak, strong, error = w.y.copy(), 0.0, 1.01, 1.0
+        top = self._equalise_from_best_start()
+        start, kept, missed, error = w.y.copy(), 0.0, 1.01, 1.0  # kept, missed: fractions
         best: NewtonResult | None = None
         y, h = start, w.h
-        while top > 0.0 and strong - weak > SHARE_RESOLUTION and not (best and self.budget.spent):
-            share = (weak + strong) / 2.0 if weak else strong - (1.01 - strong + SHARE_RESOLUTION)
-            if share < MIN_SHARE:
+        while top > 0.0 and missed - kept > DRIVE_RESOLUTION and not (best and self.budget.spent):
+            fraction = (
+                (kept + missed) / 2.0 if kept else missed - (1.01 - missed + DRIVE_RESOLUTION)
+            )
+            if fraction < MIN_DRIVE_FRACTION:
                 break
-            w.p[:], w.y[:] = (share * top) * p, start
-            error, _ = self._newton()
+            w.p[:], w.y[:] = (fraction * top) * p, start
+            error, _ = self._take_dual_steps()
             if error > MAX_PROPORTION_ERROR:
-                strong = share
+                missed = fraction
                 continue
-            weak, best = share, self._make_result(error)._replace(share=share)
+            kept = fraction
+            best = self._make_result(error, late=self.late)._replace(drive_fraction=fraction)
             y, h = w.y.copy(), w.h.copy()
-        self.late |= self.budget.spent
-        if best is None:  # no share keeps the proportions: use the last attempt, or full drive
+        late = self.budget.spent or self.late
+        if best is None:  # no fraction keeps the proportions: use the last attempt, or full drive
             self._certify_and_write()
-            return self._make_result(error)
+            return self._make_result(error, late=late)
         w.h[:], w.y[:] = h, y
         write_gains(w.h, self.unit, self.out)
-        return best._replace(steps=self.steps, late=self.late)
+        return best._replace(steps=self.steps, late=late)
 
-    def _find_strongest_phases(self) -> float:
+    def _equalise_from_best_start(self) -> float:
         """Drive fully from the phases, current or other, that give the weakest sample the most pressure.
 
         Returns the multiple of the targets that is nearest to the pressures made.
         """
-        w, size = self.workspace, np.abs(self.workspace.p)
+        w, asked = self.workspace, np.abs(self.workspace.p)
         top = self._equalise(MAX_STRONGEST_STEPS)
-        y, most = w.y.copy(), float((np.hypot(*w.made) / size).min())
-        rated = self._rate_starts(lambda made: float((made / size).min()), self._other_starts)
+        y, most = w.y.copy(), float((np.hypot(*w.made) / asked).min())
+
+        def measure_weakest(start: Complexes) -> float:
+            return float((self._measure_full_drive(start) / asked).min())
+
+        rated = rate_starts(asked, self._other_starts, measure_weakest, self.budget)
         found, k = max(rated, default=(0.0, 0))
         if found <= most:
             w.y[:] = y
             return top
-        w.y[:] = self._phases(k)
+        w.y[:] = make_start(asked, k)
         return self._equalise(MAX_STRONGEST_STEPS)
 
-    def _newton(self, steps: int = MAX_DUAL_STEPS, mu: float = 0.0) -> tuple[float, bool]:
-        """Take Newton steps, in small batches if there is a deadline; return the error and whether they converged."""
+    def _take_dual_steps(self, steps: int = MAX_DUAL_STEPS, mu: float = 0.0) -> tuple[float, bool]:
+        """Take Newton steps on the multipliers; return the error and whether they converged.
+
+        If there is a deadline, the steps are taken in small batches.
+        """
         w, endless = self.workspace, self.budget.endless
         # without time for a step, only evaluate the current multipliers
-        steps = steps if endless or self._affords() else 0
+        steps = steps if endless or self._affords_step() else 0
         chunk = steps if endless else max(1, min(steps, MAX_UNCHECKED_WORK // self._work))
         w.restart_dual()
         for _ in range(0, max(1, steps), chunk):
@@ -209,9 +219,9 @@ class GainLimitedNewton:
         """M M N, which a Newton step takes time in proportion to."""
         return len(self.B) * self.B.size
 
-    def _affords(self) -> bool:
+    def _affords_step(self) -> bool:
         """Return whether a Newton step would finish in time; if not, mark the result as late."""
-        fits = has_time(self.budget, self._work)
+        fits = affords_newton_step(self.budget, self._work)
         self.late |= not fits
         return fits
 
@@ -224,30 +234,29 @@ class GainLimitedNewton:
             if error > MAX_PHASE_ERROR or self._work > MAX_STAGE_3_4_WORK:
                 first = self._solve_softened(first)
             if not self.budget.spent:
-                error = self._full_drive()
+                error = self._restart_from_full_drive()
                 if error <= MAX_MET_ERROR:
                     return error
                 second = Candidate.of(error, w)
-        if (
-            first.error != second.error and self._work <= MAX_TWO_START_WORK
-        ):  # probe both starting points
+        if first.error != second.error and self._work <= MAX_TWO_START_WORK:
             first, second = self._probe(first), self._probe(second)
         best = first if first.error <= second.error else second
         w.h[:] = best.h
-        error = self._approach(FINAL_SAVING) if self._work <= MAX_STAGE_3_4_WORK else best.error
+        error = best.error
+        if self._work <= MAX_STAGE_3_4_WORK:
+            error = self._take_primal_steps(FINAL_SAVING)
         self._set_residual()
         return error
 
     def _probe(self, start: Candidate) -> Candidate:
         """Take rough steps on the gains from those of `start`."""
         self.workspace.h[:] = start.h
-        return Candidate.of(self._approach(ROUGH_SAVING), self.workspace)
+        return Candidate.of(self._take_primal_steps(ROUGH_SAVING), self.workspace)
 
     @property
     def _other_starts(self) -> int:
         """Number of additional starts: 0 for many samples or fixed phases."""
-        M = len(self.B)
-        return min(self.starts, 2 * M) if M <= FEW_SAMPLES and self.workspace.free.all() else 0
+        return count_other_starts(self.starts, self.workspace.free)
 
     def _try_other_starts(self, error: float) -> float:
         """Try other starting phases; keep the best gains and return their error. error: of the current gains.
@@ -256,47 +265,37 @@ class GainLimitedNewton:
         """
         w, best = self.workspace, Candidate.of(error, self.workspace)
         asked = np.abs(w.p)
-        rated = sorted(
-            self._rate_starts(
-                lambda made: float(np.linalg.norm(made - asked)), RATED_STARTS * self._other_starts
-            )
-        )
+
+        def measure_miss(start: Complexes) -> float:
+            return float(np.linalg.norm(self._measure_full_drive(start) - asked))
+
+        count = CANDIDATES_PER_START * self._other_starts
+        rated = sorted(rate_starts(asked, count, measure_miss, self.budget))
         for _, k in rated[: self.starts]:
             if self.budget.spent or best.error <= MAX_MET_ERROR:
                 break
-            w.y[:] = self._phases(k)
+            w.y[:] = make_start(asked, k)
             self._equalise(MAX_EQUALISE_STEPS)
-            found = self._approach(ROUGH_SAVING)
+            found = self._take_primal_steps(ROUGH_SAVING)
             if found < best.error:
                 best = Candidate.of(found, w)
         w.h[:] = best.h
-        reached = self._approach(FINAL_SAVING) if best.error < error else best.error
+        reached = self._take_primal_steps(FINAL_SAVING) if best.error < error else best.error
         self._set_residual()
         return reached
 
-    def _rate_starts(self, worth: Callable[[Floats], float], count: int) -> list[tuple[float, int]]:
-        """Rate what full drive makes from each of `count` other phases; return (worth, number of the phases)."""
-        rated = list[tuple[float, int]]()
-        for k in range(count):
-            if self.budget.spent:
-                break
-            self.workspace.y[:] = self._phases(k)
-            self._step_equal(MAX_EQUALISE_STEPS)
-            rated.append((worth(np.hypot(*self.workspace.made)), k))
-        return rated
-
-    def _phases(self, k: int) -> Complexes:
-        """Return the targets, (M,), with the k-th set of phases. The sets differ widely; 0 is that of `weighted-gs`."""
-        m = np.arange(len(self.B))
-        turns = GOLDEN_FRACTION * k * m * (m + k) if k else 0.5 * m * m / len(m)
-        return np.asarray(np.abs(self.workspace.p) * np.exp(2j * np.pi * turns), np.complex128)
+    def _measure_full_drive(self, start: Complexes) -> Floats:
+        """Return the pressure amplitudes, (M,), that full drive makes from the phases of `start`, (M,)."""
+        self.workspace.y[:] = start
+        self._take_equalising_steps(MAX_EQUALISE_STEPS)
+        return np.asarray(np.hypot(*self.workspace.made))
 
     def _solve_softened(self, best: Candidate) -> Candidate:
         """Take Newton steps with increased regularisation, and reduce it while the error falls; return the best gains.
 
         best: the current gains.
         """
-        if not self._affords():
+        if not self._affords_step():
             return best
         w, G, last = self.workspace, self.G, 1.0
         power = mean_square(G)
@@ -313,18 +312,18 @@ class GainLimitedNewton:
             else:
                 w.y[:] *= soft / last
             last = soft
-            error, _ = self._newton(MAX_SOFTENED_STEPS, soft)
+            error, _ = self._take_dual_steps(MAX_SOFTENED_STEPS, soft)
             if error < best.error:
                 best = Candidate.of(error, w)
             elif softness != SOFTENED_MU_FACTORS[0] or self.budget.spent:
                 break
         return best
 
-    def _full_drive(self) -> float:
+    def _restart_from_full_drive(self) -> float:
         """Restart the Newton steps from the phases of full drive; return the error."""
         if self._equalise(MAX_EQUALISE_STEPS) < MIN_MET_SCALE:
             self.workspace.y[:] *= 10.0  # hold more transducers at the limit
-        return self._newton()[0]
+        return self._take_dual_steps()[0]
 
     def _equalise(self, steps: int) -> float:
         """Take steps of `equalise`, then scale the multipliers so that half of the transducers are at their limit.
@@ -332,12 +331,12 @@ class GainLimitedNewton:
         Returns the multiple of the targets that is nearest to what full drive makes.
         """
         w = self.workspace
-        self._step_equal(steps)
+        self._take_equalising_steps(steps)
         reached = w.h[2][w.h[2] > 0.0]
         w.y[:] *= self.mu / (float(np.median(reached)) if len(reached) else 1.0)
         return w.multiple
 
-    def _step_equal(self, steps: int) -> None:
+    def _take_equalising_steps(self, steps: int) -> None:
         """Take steps of `equalise`, in small batches if there is a deadline."""
         w = self.workspace
         chunk = (
@@ -351,12 +350,12 @@ class GainLimitedNewton:
             if taken >= 0 or self.budget.spent:
                 break
 
-    def _approach(self, finished: float) -> float:
+    def _take_primal_steps(self, finished: float) -> float:
         """Take Newton steps on the gains, from the current ones; return the error."""
         w = self.workspace
         w.restart_primal()
         apply_planar(self.B, w.h, w.made, w.tile)
-        most = MAX_PRIMAL_STEPS if self._affords() else 0
+        most = MAX_PRIMAL_STEPS if self._affords_step() else 0
         chunk = (
             MAX_PRIMAL_STEPS
             if self.budget.endless

@@ -11,6 +11,6 @@ if TYPE_CHECKING:
 NEWTON_SPEED, MIN_TIME = 5e9, 1e-3
 
 
-def has_time(budget: pc.Budget, work: int) -> bool:
+def affords_newton_step(budget: pc.Budget, work: int) -> bool:
     """Return whether a Newton step of `work` M M N is short or fits in the budget; if not, do not start it."""
     return work <= MIN_TIME * NEWTON_SPEED or budget.affords(work / NEWTON_SPEED)

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from pacinian.solving.solution_check import TOLERANCE, measure_violations, relative_error
+from pacinian.solving.solution_check import measure_violations, relative_error
+from pacinian.solving.solution_status import TOLERANCE
 
 if TYPE_CHECKING:
     import pacinian as pc
@@ -69,6 +70,6 @@ class Problem(NamedTuple):
         return relative_error(self.targets, p) <= TOLERANCE, float(np.linalg.norm(p))
 
 
-def describe_at_limit(count: int, N: int) -> str:
-    """Return a note for `count` of N transducers at their limit, or an empty text if there are none."""
-    return f"{count / N:.0%} of the transducers at their limit" if count else ""
+def describe_saturation(saturated_count: int, N: int) -> str:
+    """Return a note on the number of N transducers that are at their limit, or an empty text if there are none."""
+    return f"{saturated_count / N:.0%} of the transducers at their limit" if saturated_count else ""

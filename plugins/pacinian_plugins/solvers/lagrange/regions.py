@@ -31,7 +31,7 @@ from pacinian_plugins.native.lagrange import (
     start_region,
     write_gains,
 )
-from pacinian_plugins.solvers.lagrange.problem import describe_at_limit
+from pacinian_plugins.solvers.lagrange.problem import describe_saturation
 from pacinian_plugins.solvers.lagrange.reference import solve_newton
 from pacinian_plugins.solvers.lagrange.strongest_uniform import find_strongest_uniform
 
@@ -43,16 +43,16 @@ BESIDE_WEIGHT = 0.02  # weight of points beside regions
 # Least number of transducers in the preconditioner of an array that has more, and largest stride from one to the next.
 MIN_COLUMNS, MAX_STRIDE = 500, 4
 # Largest number of samples whose preconditioner is one block, and largest size of the blocks of more samples.
-MAX_WHOLE, MAX_BLOCK = 512, 256
+MAX_SINGLE_BLOCK_SIZE, MAX_BLOCK_SIZE = 512, 256
 # Largest width of a block [m]. Every fourth transducer (40 mm apart) would couple samples at larger distances that the
 # whole array does not couple.
-MAX_WIDTH = 0.075
+MAX_BLOCK_WIDTH = 0.075
 # Largest duality gap of the last multipliers, relative to that of none, to start from them: if they had converged, and
 # if there was no time for that. If late solves began anew each time, none of them would ever converge (decision 75).
-MAX_GAP, MAX_LATE_GAP = 0.25, 1.0
+MAX_START_GAP, MAX_LATE_START_GAP = 0.25, 1.0
 # largest difference between the movements of two samples for which the last preconditioner is used [m]
 MAX_DISTORTION = 1e-3
-REFINING_STEPS = 16  # Newton steps in double precision
+MAX_REFINING_STEPS = 16  # Newton steps in double precision
 NOTHING, NO_PHASES = np.empty(0, np.complex128), np.empty(0)
 
 
@@ -109,7 +109,7 @@ def solve(problem: Problem, relative: float) -> pc.Result:
         p, D, y,
     )  # fmt: skip
     workspace = find_workspace(propagator, len(before) > 0 and moved_together(propagator, warm))
-    max_gap = MAX_LATE_GAP if warm is not None and warm.late else MAX_GAP
+    max_gap = MAX_LATE_START_GAP if warm is not None and warm.late else MAX_START_GAP
     ascent = Ascent(B, p, D, y, mu, max_gap, workspace, budget)
     strongest = problem.strongest
     if strongest:
@@ -122,13 +122,13 @@ def solve(problem: Problem, relative: float) -> pc.Result:
     done = strongest or workspace.met or budget.spent
     if done and out.dtype == np.complex64:
         write_gains(workspace.h, scale, out)
-        bound, objective, at_limit = workspace.bound, workspace.objective, workspace.held
+        bound, objective, saturated_count = workspace.bound, workspace.objective, workspace.held
     else:
         w = 1.0 / np.sqrt(D)  # factors on the rows, so that each error has its weight
         A, start_at = w[:, None] * propagator.B, y / w
         if done:
             G, free = propagator.gram * np.outer(w, w), np.zeros(M, np.bool_)
-            fine = solve_newton(A, G, w * p, free, mu, start_at, REFINING_STEPS, budget)
+            fine = solve_newton(A, G, w * p, free, mu, start_at, MAX_REFINING_STEPS, budget)
             h, y, bound, objective = fine.h, w * fine.y, fine.bound, fine.objective
         else:
             from pacinian_plugins.solvers.lagrange.convex import least_squares
@@ -137,18 +137,18 @@ def solve(problem: Problem, relative: float) -> pc.Result:
             h, y, bound, objective = answer.h, w * answer.y, answer.bound, answer.objective
             steps += answer.steps
         out[:] = scale * h
-        at_limit = int((np.abs(out) > AT_LIMIT * scale).sum())
+        saturated_count = int((np.abs(out) > AT_LIMIT * scale).sum())
     bound_scale = (unit / share) ** 2 if share >= 1.0 and not strongest else math.nan
     return pc.Result(
         iterations=steps,
-        limited=at_limit > 0 and limits.gain is not None,
+        limited=saturated_count > 0 and limits.gain is not None,
         late=budget.spent,
         bound=bound * bound_scale,
         objective=objective * bound_scale,
         multipliers=None if strongest else y * (unit / share),
         mu=mu,
         quiet_weight=BESIDE_WEIGHT,
-        note=describe_at_limit(at_limit, N),
+        note=describe_saturation(saturated_count, N),
     )
 
 
@@ -163,7 +163,7 @@ def find_workspace(propagator: pc.Propagator, same: bool) -> RegionWorkspace:
         kept = None
     if kept is None or not same:
         stride = min(max(1, N // MIN_COLUMNS), MAX_STRIDE)
-        blocks = divide_samples(propagator.points, math.inf if stride == 1 else MAX_WIDTH)
+        blocks = divide_samples(propagator.points, math.inf if stride == 1 else MAX_BLOCK_WIDTH)
         sizes = np.array([len(block) for block in blocks])
         kept = propagator.workspace = RegionWorkspace(M, N, sizes, stride)
         kept.order[:] = np.concatenate(blocks)
@@ -174,7 +174,7 @@ def find_workspace(propagator: pc.Propagator, same: bool) -> RegionWorkspace:
 def divide_samples(points: Floats, width: float) -> list[Indices]:
     """Return the samples of each block of the preconditioner, so that it is small, and at most `width` [m] wide."""
     blocks: list[Indices] = []
-    open_ = [(np.arange(len(points)), MAX_WHOLE)]
+    open_ = [(np.arange(len(points)), MAX_SINGLE_BLOCK_SIZE)]
     while open_:
         block, most = open_.pop()
         x, size = _along_longest_side(points[block])
@@ -185,7 +185,7 @@ def divide_samples(points: Floats, width: float) -> list[Indices]:
         else:
             blocks.append(block)
             continue
-        open_ += (block[~first], MAX_BLOCK), (block[first], MAX_BLOCK)
+        open_ += (block[~first], MAX_BLOCK_SIZE), (block[first], MAX_BLOCK_SIZE)
     return blocks
 
 

@@ -21,20 +21,23 @@ from pacinian.solving.solution_metrics import AT_LIMIT
 from pacinian_plugins.native.lagrange import MAX_START, Workspace, scale_for_single, start
 from pacinian_plugins.solvers.lagrange import regions
 from pacinian_plugins.solvers.lagrange.gain_limited_newton import GainLimitedNewton
-from pacinian_plugins.solvers.lagrange.problem import Problem, describe_at_limit
+from pacinian_plugins.solvers.lagrange.problem import Problem, describe_saturation
 
 if TYPE_CHECKING:
     from pacinian.types import Floats
 
-# `scale="max"` tries targets of other levels if its solution is weaker than this multiple of a focus: WEAK in general,
-# STRONG if two of at most MAX_CLOSE points share at least COHERENT of their sound power. More points take too long.
-WEAK, STRONG, COHERENT = 0.7, 1.6, 0.5
-MAX_CLOSE = 16
+# `scale="max"` tries targets of fixed levels if its solution is weaker than this multiple of a focus: in general, and
+# for close points.
+MIN_STRENGTH, MIN_CLOSE_STRENGTH = 0.7, 1.6
+MIN_CLOSE_COHERENCE = 0.5  # coherence above which two points are close
+# Largest number of points that count as close, because the levels take too long for more. The number of points for
+# which several starts are tried has its own limit, MAX_MULTISTART_SAMPLES.
+MAX_CLOSE_POINTS = 16
 MAX_LEVELS = 8  # largest number of these levels
 # Factors from one level to the next. The search goes up by LEVEL_STEP until the first level that is missed, then down
 # by the square root of LARGEST_STEP_DOWN at most; it ends when the step is below MIN_STEP.
 LEVEL_STEP, LARGEST_STEP_DOWN, MIN_STEP = 1.25, 16.0, 1.05
-NEARLY_FULL_DRIVE = 0.98  # share of full drive below which the proportions count as hard to make
+NEARLY_FULL_DRIVE = 0.98  # fraction of full drive below which the proportions count as hard to make
 
 
 @dataclass(frozen=True)
@@ -97,27 +100,27 @@ class Lagrange(pc.Solver):
             return self._solve_constrained(problem, mu)
         result = self._solve_free_phases(problem, mu)
         if problem.strongest and not limits.solver_limits and not budget.spent:
-            return self._solve_from_nearest(problem, mu, result)
+            return self._strengthen_from_nearest(problem, mu, result)
         return result
 
     def _solve_free_phases(self, problem: Problem, mu: float) -> pc.Result:
         """Write the gains, under the gain limit alone if that is enough, else under all limits."""
         propagator, _, limits, _, budget, out = problem
         result, done = self._solve_gain_limited(problem, mu)
-        broken = problem.has_violation()
-        if done and not broken:
+        violated = problem.has_violation()
+        if done and not violated:
             return result
         if budget.spent:
-            return result._replace(late=result.late or broken)
+            return result._replace(late=result.late or violated)
         first = out.copy()
         made = propagator.apply(out).astype(np.complex128)
-        phases = None if broken else np.asarray(np.angle(made), np.float64)
+        phases = None if violated else np.asarray(np.angle(made), np.float64)
         second = self._solve_constrained(problem, mu, phases)
         if problem.strongest and not limits.solver_limits:
             return _choose_stronger(problem, (first, result), second)
         return second
 
-    def _solve_from_nearest(self, problem: Problem, mu: float, result: pc.Result) -> pc.Result:
+    def _strengthen_from_nearest(self, problem: Problem, mu: float, result: pc.Result) -> pc.Result:
         """Return `result`, or a stronger one if the gains in `out` are hardly stronger than a single focus.
 
         The phases of points that are closer than the array resolves can end where full drive makes hardly any sound.
@@ -130,8 +133,9 @@ class Lagrange(pc.Solver):
         first = out.copy()
         enforce_limits(first, limits, targets.scale)
         kept, strength = problem.rank(first)
-        close = len(targets.amplitudes) <= MAX_CLOSE and problem.coherence > COHERENT
-        enough = STRONG if close else WEAK
+        few = len(targets.amplitudes) <= MAX_CLOSE_POINTS
+        close = few and problem.coherence > MIN_CLOSE_COHERENCE
+        enough = MIN_CLOSE_STRENGTH if close else MIN_STRENGTH
         if kept and strength >= enough * reach:
             return result
         met, missed = strength if kept else 0.0, math.inf  # norms of targets [Pa]
@@ -206,16 +210,17 @@ class Lagrange(pc.Solver):
         bound_scale = (unit / scale) ** 2 if scale >= 1.0 and not strongest else math.nan
         result = pc.Result(
             iterations=outcome.steps,
-            limited=outcome.at_limit > 0 and limits.gain is not None,
+            limited=outcome.saturated_count > 0 and limits.gain is not None,
             late=outcome.late,
             bound=bound * bound_scale,
             objective=objective * bound_scale,
             multipliers=None if strongest else workspace.y * (unit / scale),
             mu=mu,
-            note=describe_at_limit(outcome.at_limit, N),
+            note=describe_saturation(outcome.saturated_count, N),
         )
         release(key, workspace, M * N)
-        return result, not strongest or outcome.share > (NEARLY_FULL_DRIVE if warm is None else 0.0)
+        min_drive_fraction = NEARLY_FULL_DRIVE if warm is None else 0.0
+        return result, not strongest or outcome.drive_fraction > min_drive_fraction
 
     def _start(self, problem: Problem, mu: float, workspace: Workspace) -> tuple[float, float]:
         """Write the targets, in units of the gain limit, and the multipliers of the pseudo-inverse.
@@ -252,19 +257,19 @@ class Lagrange(pc.Solver):
         elif problem.targets.regions is None:
             found = constrained.solve_strongest(phases)
         else:
-            found = constrained.solve_evenly()
+            found = constrained.solve_strongest_uniform()
         answer, unit = found.answer, constrained.unit
         out[:] = unit * answer.h
-        at_limit = int((np.abs(answer.h) > AT_LIMIT).sum()) if limits.gain is not None else 0
+        saturated_count = int((np.abs(answer.h) > AT_LIMIT).sum()) if limits.gain is not None else 0
         reached = math.sqrt(kernels.peak(out)) > 0.0
         return pc.Result(
             iterations=answer.steps,
-            limited=reached and (at_limit > 0 or limits.couples_gains),
+            limited=reached and (saturated_count > 0 or limits.couples_gains),
             late=answer.late or problem.budget.spent,
             bound=math.nan if problem.strongest else unit**2 * found.bound,
             objective=math.nan if problem.strongest else unit**2 * found.objective,
             mu=mu,
-            note=describe_at_limit(at_limit, len(out)),
+            note=describe_saturation(saturated_count, len(out)),
             unproven=found.unproven,
         )
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.solving.solution_check import REGION_TOLERANCE
+from pacinian.solving.solution_status import REGION_TOLERANCE
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -14,8 +14,8 @@ from pacinian.region_numbers import ISOLATED
 from pacinian.scene.modulation.technique import AM, STM
 from pacinian.scene.sampling.merge_samples import (
     MAX_MERGE_SAMPLES,
-    MERGE_DISTANCE,
-    MERGE_SHARE,
+    MERGE_SPACING_FRACTION,
+    SAME_PLACE_DISTANCE,
     merge_samples,
 )
 from pacinian.scene.sampling.sample_counts import MERGED, SampleCounts
@@ -23,7 +23,7 @@ from pacinian.scene.sampling.samples import Samples, no_samples
 
 bounded = settings(max_examples=60)
 SPACING = 0.01  # [m]
-NEAR = 0.9 * MERGE_SHARE * SPACING  # [m]
+NEAR = 0.9 * MERGE_SPACING_FRACTION * SPACING  # [m]
 
 
 def place(item: Any, index: int, *x: float, region: int = ISOLATED) -> Samples:
@@ -60,7 +60,9 @@ def test_the_first_sample_takes_the_force_and_the_area_of_the_next() -> None:
 def test_samples_of_one_object_and_those_apart_stay() -> None:
     part = place(POINT, 0, 0.0, NEAR)
     assert merged(part) == (part, 0)
-    samples, count = merged(place(POINT, 0, 0.0), place(POINT, 1, 1.01 * MERGE_SHARE * SPACING))
+    samples, count = merged(
+        place(POINT, 0, 0.0), place(POINT, 1, 1.01 * MERGE_SPACING_FRACTION * SPACING)
+    )
     assert (len(samples), count) == (2, 0)
 
 
@@ -78,7 +80,7 @@ def test_another_envelope_or_technique_keeps_samples_apart(change: Any) -> None:
 @pytest.mark.parametrize("how", [{"strict": True}, {"region": 7}])
 def test_of_regions_and_if_strict_only_samples_at_one_place_merge(how: Any) -> None:
     region = how.pop("region", ISOLATED)
-    for away, count in ((0.5 * MERGE_DISTANCE, 1), (2.0 * MERGE_DISTANCE, 2)):
+    for away, count in ((0.5 * SAME_PLACE_DISTANCE, 1), (2.0 * SAME_PLACE_DISTANCE, 2)):
         parts = place(POINT, 0, 0.0), place(POINT, 1, away, region=region)
         assert len(merged(*parts, **how)[0]) == count
 

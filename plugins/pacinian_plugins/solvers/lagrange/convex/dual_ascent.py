@@ -10,7 +10,7 @@ import numpy as np
 from pacinian.solving.propagator import mean_square
 from pacinian_plugins.native import lagrange as kernels
 from pacinian_plugins.solvers.lagrange.convex.answer import Answer
-from pacinian_plugins.solvers.lagrange.newton_time import has_time
+from pacinian_plugins.solvers.lagrange.newton_time import affords_newton_step
 
 if TYPE_CHECKING:
     import pacinian as pc
@@ -98,7 +98,7 @@ def ascend_dual(
             break
         if c is not None and -bound <= MAX_ZERO_STRENGTH * tolerance:
             break  # no gains can make these proportions
-        if budget.spent or not has_time(budget, work):
+        if budget.spent or not affords_newton_step(budget, work):
             late = True
             break
         if best.excess > 0.0 and c is None and dual.impossible(point.y, scale):

@@ -44,14 +44,14 @@ class Slopes(NamedTuple):
 
     radial: Floats
     tangential: Floats
-    at_limit: int
+    saturated_count: int
 
     @classmethod
     def of(cls, x: Complexes, g: Complexes, weight: Floats, extra: float, limit: Floats) -> Slopes:
         """Compute the slopes at x. g: h as the last step expected it."""
         radial, tangential = np.empty(len(x)), np.empty(len(x))
-        at_limit = kernels.slopes(x, g, weight, extra, limit, radial, tangential)
-        return cls(radial, tangential, at_limit)
+        saturated_count = kernels.slopes(x, g, weight, extra, limit, radial, tangential)
+        return cls(radial, tangential, saturated_count)
 
 
 class State(NamedTuple):
@@ -120,9 +120,9 @@ class Newton:
         free = 1.0 / (dual.mu + point.nu)
         S = np.zeros((2 * R, 2 * R), order="F")
         sign, radial, tangential = 1.0, slopes.radial, slopes.tangential
-        if 2 * slopes.at_limit <= min(N + np.count_nonzero(radial), SUBTRACTED_SHARE * N):
+        if 2 * slopes.saturated_count <= min(N + np.count_nonzero(radial), SUBTRACTED_SHARE * N):
             kernels.real(self.gram, free, S.T)
-            if not slopes.at_limit:
+            if not slopes.saturated_count:
                 return S
             sign, radial, tangential = -1.0, free - radial, free - tangential
         syrk = blas.dsyrk if self.fine else blas.ssyrk

@@ -11,7 +11,7 @@ from pacinian.solving.linalg import lapack
 from pacinian.solving.propagator import mean_square
 from pacinian_plugins.native import lagrange as kernels
 from pacinian_plugins.solvers.lagrange.convex.newton_step import State, factor
-from pacinian_plugins.solvers.lagrange.newton_time import has_time
+from pacinian_plugins.solvers.lagrange.newton_time import affords_newton_step
 
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Flags
@@ -43,7 +43,7 @@ def begin(
     ):
         for near in (none, loud) if loud.any() else (none,):
             for more in MU_FACTORS:
-                if not has_time(budget, len(gram) ** 3):
+                if not affords_newton_step(budget, len(gram) ** 3):
                     break
                 point = dual.at(solve_unlimited(dual, gram, more * dual.mu, near))
                 if point.value > best.value:
@@ -64,7 +64,7 @@ def begin_strongest(
     if y is not None and (whole := float(np.vdot(dual.along, y).real)) > 0.0:
         points.append(dual.at(y / whole))
     for mu in PLAIN:
-        if points and not has_time(budget, len(gram) ** 3):
+        if points and not affords_newton_step(budget, len(gram) ** 3):
             break
         points.append(dual.at(solve_unlimited(dual, gram, mu * scale, none)))
     best = max(points, key=lambda point: point.value)

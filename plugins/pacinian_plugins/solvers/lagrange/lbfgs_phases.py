@@ -1,4 +1,4 @@
-"""Optimises free phases for the strongest solution, by a local search from given phases."""
+"""Free phases for `scale="max"`: L-BFGS, a local search from given phases, for the strongest solution."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def optimise_free_phases(
         return best
     latest = best
 
-    def weakness(angles: Floats) -> tuple[float, Floats]:
+    def objective(angles: Floats) -> tuple[float, Floats]:
         nonlocal best, latest
         turned = c.copy()
         turned[free] *= np.exp(1j * angles)
@@ -51,13 +51,13 @@ def optimise_free_phases(
         slope = np.asarray((y.conj() * 1j * turned).real[free], np.float64)
         return -math.log(latest.strength), slope
 
-    def look(intermediate_result: optimize.OptimizeResult) -> None:
+    def stop_if_out_of_time(intermediate_result: optimize.OptimizeResult) -> None:
         del intermediate_result
         if budget.spent:
             raise StopIteration
 
     optimize.minimize(
-        weakness, np.zeros(int(free.sum())), method="L-BFGS-B", jac=True, callback=look,
+        objective, np.zeros(int(free.sum())), method="L-BFGS-B", jac=True, callback=stop_if_out_of_time,
         options={"maxfun": MAX_TRIALS, "ftol": MIN_STEP_GAIN},
     )  # fmt: skip
     return best
