@@ -25,6 +25,7 @@ Solve
     reachability.hpp          sound power that reaches a place, from a grid of cells: called by reachability.py
     frame_cycle.py            a region rendered by several frames in turn, whose mean meets the target; their number
     skin_limit.py             the limit of the pressure on all skin that is seen, also between the samples
+    zone_limit.py             quiet zones after rounding by the device
     new_hand_check.py         silence while a hand is new and might get more than that limit
 From gains to levels
     playback.py               one frame in each tick from what has been solved; calls those below

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from pacinian.solving.solution_status import Status
 
@@ -26,7 +28,8 @@ class CachedSolution:
     averaged: whether envelopes that vary were replaced by their means. whole: all samples, including those that were
     left out because no sound can reach them, or because another frame of the cycle renders them. weakened, missed:
     indices into `whole`: of the samples that little sound reaches, and of those that get clearly less than their
-    target. limited: whether it is scaled down, because the pressure on skin would exceed its limit. evaluated: whether
+    target. limited: whether it is scaled down, because the pressure on skin would exceed its limit. limited_in_zones:
+    whether it is scaled down, because quiet zones would be too loud after rounding. evaluated: whether
     the pressure on skin was compared with its limit, if there is a limit. retry: time from which to solve again if it
     is not final [s]. awaits_rest: whether to solve without a deadline, which comes nearer to the targets, once the
     samples have been at rest for a while.
@@ -45,6 +48,7 @@ class CachedSolution:
     weakened: tuple[int, ...] = ()
     missed: tuple[int, ...] = ()
     limited: bool = False
+    limited_in_zones: bool = False
     evaluated: bool = True
     retry: float = -math.inf
     awaits_rest: bool = False
@@ -52,6 +56,21 @@ class CachedSolution:
     def needs_no_solve(self, t: float) -> bool:
         """Return whether a solve at time t [s] is not needed, or not yet."""
         return self.final or t < self.retry
+
+    def scale(self, factor: float, note: str) -> CachedSolution:
+        """Return it with all gains multiplied by a factor, 0..1, and a note that says why."""
+        a = np.float32(factor)
+        solution = replace(
+            self.solution,
+            gains=a * self.solution.gains,
+            sound_pressure=float(a) * self.solution.sound_pressure,
+            status=Status.scaled,
+            bound=math.nan,
+            objective=math.nan,
+            note=note,
+        )
+        each = None if self.contributions is None else a * self.contributions
+        return replace(self, gains=solution.gains, contributions=each, solution=solution)
 
     @property
     def ran_out_of_time(self) -> bool:

@@ -31,12 +31,13 @@ WEAKENED = "weakened"
 MISSED_TARGET = "weaker than asked"
 SLEW_LIMITED = "slew limited"
 SKIN_LIMITED = "limited on skin"
+ZONE_LIMITED = "limited in quiet zones"
 FEWER_FRAMES = "in fewer frames"
 UNEVEN = "measured uneven"
 PRESSED_BESIDE = "pressed beside"
 BY_TICK = frozenset(
     {
-        LATE, MISSED, HALTED, INTERPOLATED, OUT_OF_TIME, AVERAGED, SKIN_LIMITED, SLEW_LIMITED,
+        LATE, MISSED, HALTED, INTERPOLATED, OUT_OF_TIME, AVERAGED, SKIN_LIMITED, ZONE_LIMITED, SLEW_LIMITED,
         FEWER_FRAMES, UNEVEN, PRESSED_BESIDE, TOO_FINE, TOO_FAST, FACES_AWAY, NO_SURFACE, HAND_LOST, HAND_FADING,
     }
 )  # fmt: skip

@@ -18,6 +18,7 @@ from pacinian.rendering.deviation_log import (
     SKIN_LIMITED,
     SLEW_LIMITED,
     WEAKENED,
+    ZONE_LIMITED,
     mark,
 )
 from pacinian.scene.sampling.sample_counts import FAINT, TOO_FAST
@@ -81,6 +82,8 @@ def _describe(
             reasons.add(AVERAGED)
         if one.limited:
             reasons.add(SKIN_LIMITED)
+        if one.limited_in_zones:
+            reasons.add(ZONE_LIMITED)
     if held_back:
         reasons.add(SLEW_LIMITED)
     if silenced:

@@ -83,7 +83,9 @@ class Pipeline:
         )
         cycle = Cycle(session, split_frames(most, capability.rate), sampler.budget, settings.peak)
         cycle.coarsens = not settings.strict
-        self.solver = SampleSolver(session, self.playback.times, cycle)
+        self.solver = SampleSolver(
+            session, self.playback.times, cycle, round_gains=self.playback.quantise_gains
+        )
         self._skipped = sampler.skipped = self.solver.skipped  # of a job, until it is taken
         limit = settings.peak if settings.adaptive else math.inf
         self._new_hands = NewHandCheck(limit, self.playback, self.solver.skin_limit)
@@ -171,6 +173,8 @@ class Pipeline:
         fast = self._scene_solver.find_too_fast(self.played.solutions)
         self.played = self.played._replace(sample_pressures=None, too_fast=fast)
         self.solver.times = times
+        if self.limits.zones:
+            self.reset()  # because the zones are quiet only as the last device has rounded
         self.solver.cycle.most = split_frames(self._settings.max_cycle_frames, capability.rate)
 
     def reset(self) -> None:

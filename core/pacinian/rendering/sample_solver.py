@@ -20,12 +20,13 @@ from pacinian.rendering.reachability import WEAKENED_BELOW
 from pacinian.rendering.skin_limit import SkinLimit
 from pacinian.rendering.solution_sequence import SolutionSequence
 from pacinian.rendering.steered_solver import SteeredSolver
+from pacinian.rendering.zone_limit import keep_zones_quiet
 from pacinian.scene.modulation.presentation import present
 from pacinian.scene.sampling.samples import join_samples, no_samples
 from pacinian.skip_reasons import NOTHING_MOVED, STEP_KNOWN
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from pacinian.plugins.solver import Solver
     from pacinian.rendering.frame_cycle import Cycle, CycleFrame
@@ -35,7 +36,7 @@ if TYPE_CHECKING:
     from pacinian.scene.sampling.samples import Samples
     from pacinian.session import Session
     from pacinian.solving.problem import Limits
-    from pacinian.types import Floats
+    from pacinian.types import Floats, Gains
 
 MIN_POWER = 1e-30  # smallest power used as a divisor
 # Largest size of the cache of solutions for the steps of a modulation [bytes].
@@ -63,7 +64,8 @@ class SampleSolver:
 
     session: solves. times: of a tick's rows, from its start, (K,) [s]. cycle: renders regions in several frames, if
     allowed; its `peak` is the highest pressure on skin. fresh: the solutions of the last call of `solve` that are new.
-    skipped: counts samples and solves that were left out, by reason. skins: of the hands in the scene. spares_solves:
+    skipped: counts samples and solves that were left out, by reason. round_gains: rounds gains as the device does; by
+    default, it does not. skins: of the hands in the scene. spares_solves:
     whether to solve only as often as skin needs it: samples that have hardly moved count as not moved, fields move with
     their samples, and regions at rest will be solved for without a deadline. The render loop sets both.
     """
@@ -72,6 +74,7 @@ class SampleSolver:
     times: Floats
     cycle: Cycle
     skipped: Counter[str] = field(default_factory=Counter[str])
+    round_gains: Callable[[Gains, Limits], Gains] = lambda gains, limits: gains
     fresh: list[CachedSolution] = field(default_factory=list[CachedSolution], init=False)
     skins: Sequence[PosedSkin] = field(default=(), init=False)
     spares_solves: bool = field(default=False, init=False)
@@ -388,7 +391,10 @@ class SampleSolver:
         )  # fmt: skip
         final = not (made.ran_out_of_time or session.unsettled)
         made = replace(made, steady=groups.steady and final, final=final)
-        return self.skin_limit.enforce(made, self.skins, self.cycle.peak, again=again)
+        made = self.skin_limit.enforce(made, self.skins, self.cycle.peak, again=again)
+        if (zones := session.propagator.quiet_subspace) is None:
+            return made
+        return keep_zones_quiet(made, zones, lambda gains: self.round_gains(gains, limits))
 
 
 def _split_by_technique(samples: Samples) -> tuple[Samples, list[tuple[Object, Samples]]]:

@@ -25,7 +25,6 @@ from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.errors import PointOnTransducer
 from pacinian.native import solving as kernels
 from pacinian.region_numbers import ISOLATED
-from pacinian.solving.solution_status import Status
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -328,16 +327,8 @@ def spread(points: Floats, normals: Floats, rings: int, spacing: float) -> tuple
 def scale_down(made: CachedSolution, limit: float, peak: float) -> CachedSolution:
     """Return a solution, all of it scaled down so that its highest radiation pressure `peak` is `limit` [Pa]."""
     share = limit / peak
-    factor = np.float32(math.sqrt(share))
-    solution = replace(
-        made.solution,
-        gains=factor * made.solution.gains,
-        sound_pressure=float(factor) * made.solution.sound_pressure,
-        status=Status.scaled,
-        bound=math.nan,
-        objective=math.nan,
-        note=f"{peak:.3g} Pa on the skin would exceed the limit of {limit:.3g} Pa: "
-        f"all pressures are {share:.0%} of the solver's",
+    note = (
+        f"{peak:.3g} Pa on the skin would exceed the limit of {limit:.3g} Pa: "
+        f"all pressures are {share:.0%} of the solver's"
     )
-    each = None if made.contributions is None else factor * made.contributions
-    return replace(made, gains=solution.gains, contributions=each, solution=solution, limited=True)
+    return replace(made.scale(math.sqrt(share), note), limited=True)

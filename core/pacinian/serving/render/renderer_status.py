@@ -11,6 +11,7 @@ from msgspec.structs import asdict
 from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.errors import shorten
 from pacinian.region_numbers import BESIDE
+from pacinian.rendering.zone_limit import TOO_COARSE
 from pacinian.scene.sampling.hand_tracking import FADE_TIME, HOLD_TIME
 from pacinian.scene.sampling.sample_counts import label_object
 from pacinian.serving.render.touch_report import find_touches
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 # Number of measurements averaged for `felt`. They take about a second together.
 AVERAGED_MEASUREMENTS = 20
 UNKNOWN = (math.nan,) * 4
+FINER = "Select a device with more levels, or move the zones away from the array"
 MAX_FAULTS = 5  # largest number of faults reported
 TICK_BIN_EDGES = 10.0 ** (
     np.arange(1, 64) / 16.0 - 5.0
@@ -84,11 +86,15 @@ def _make_sample_fields(renderer: Renderer, hands: list[Hand]) -> dict[str, Any]
 
 
 def _describe_zones(renderer: Renderer) -> dict[str, Any]:
-    """Return a status if quiet zones are louder than their limit, and the reason if the solved gains keep it."""
+    """Return a status if quiet zones silence the output, or are louder than their limit, and why."""
     quiet_subspace, solution = renderer.session.propagator.quiet_subspace, renderer.solution
     if quiet_subspace is None:
         return {}
-    loudest = max((quiet_subspace.measure_excess(g) for g in renderer.cycle_gains), default=0.0)
+    gains = renderer.cycle_gains
+    limited = any(one.limited_in_zones for one in renderer.played.rows)
+    if limited and not gains.any():
+        return {"status": f"silent: {TOO_COARSE}. {FINER}"}
+    loudest = max(map(quiet_subspace.measure_excess, gains), default=0.0)
     if loudest <= 1.0:
         return {}
     rounded = solution is not None and quiet_subspace.bound_excess(solution.gains) <= 1.0

@@ -193,3 +193,15 @@ def test_zones_that_are_too_loud_are_reported_and_rounding_is_blamed_only_for_wh
         assert status.endswith(reason)
         assert float(status.split()[2]) == pytest.approx(20.0 * np.log10(loudest), abs=2.0)
     renderer.close()
+
+
+def test_a_device_that_is_too_coarse_for_a_zone_is_named_as_the_cause_of_silence() -> None:
+    zone = pc.Zone((0.08, 0.0, 0.2), pressure=0.5, radius=0.02)
+    limits = pc.Limits(zones=(zone,))
+    pc.solve(ARRAY, [A.position], [500.0], limits=limits)  # prepares the zone
+    for amplitudes, silent in ((256, False), (2, True)):
+        device = Simulated(rate=1000.0, amplitudes=amplitudes)
+        renderer = ticked(pc.Scene((A,)), 10, limits=limits, backend=device)
+        status = make_status(renderer, 0.01)["status"]
+        assert status.startswith("silent: the device's levels are too coarse") is silent
+        renderer.close()
