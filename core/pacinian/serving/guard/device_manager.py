@@ -181,7 +181,7 @@ class DeviceManager:
             self._open()
             return
         if gate.fault:
-            gate.switch()
+            gate.switch_device()
             gate.clear()
         self._note_result(key)
 
@@ -228,7 +228,7 @@ class DeviceManager:
                 for late in itertools.chain(*self._coming.values()):
                     self._note_result(late, SUPERSEDED)
                 self._choice = choice
-                generation = gate.take(*device)
+                generation = gate.adopt_device(*device)
                 self._coming = {generation: keys}
                 self._choices = {n: c for n, c in self._choices.items() if n == gate.generation}
                 self._choices[generation] = self._convert_choice(choice)

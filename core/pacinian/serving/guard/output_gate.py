@@ -81,7 +81,7 @@ class OutputGate:
         self._reasons: Counter[str] = Counter()
         self._inputs: deque[bytes] = deque(maxlen=MAX_INPUTS)
 
-    def take(self, backend: Backend, can: Capability) -> int:
+    def adopt_device(self, backend: Backend, can: Capability) -> int:
         """Take an open device and return its generation.
 
         The device takes over with its first frame, or at once if there is no other.
@@ -101,7 +101,7 @@ class OutputGate:
             )
         return self._generations
 
-    def replace(self, last: DeviceStatus) -> None:
+    def take_over_from(self, last: DeviceStatus) -> None:
         """Take over from another guard. Devices get new generations, so that frames for its devices are rejected.
 
         Opening this guard's device ends the sound of the previous guard's device.
@@ -155,7 +155,7 @@ class OutputGate:
         if frame is not None:
             self._note_frame(frame, now)
             if self.next_generation and self._head.device == self.next_generation:
-                self.switch()
+                self.switch_device()
                 return True
         reason = self._find_reason(permit, now)
         if self.is_stale != (reason == "stale"):
@@ -223,7 +223,7 @@ class OutputGate:
             self.sounding, self.changed = False, True
             self._reasons[reason] += 1
 
-    def switch(self) -> None:
+    def switch_device(self) -> None:
         """Let the waiting device take over, unless the current one refuses to be silent: then set the fault."""
         faulty = bool(self.fault)
         self.silence("switched")

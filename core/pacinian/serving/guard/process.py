@@ -126,13 +126,13 @@ class GuardLoop:
         last = self._read_last_status()
         if last is not None:
             self._replaces, self.backends = True, last.backends
-            self.gate.replace(last)
+            self.gate.take_over_from(last)
         elif published := self._device.number:
             # The previous guard's status cannot be read, so its device may still sound. Each device was reported at
             # least once, so the number of reports is at least the last generation.
             self._replaces = True
             unknown = DeviceStatus(published, 0, "", 2, 2, 1.0, None, -math.inf, sounding=True)
-            self.gate.replace(unknown)
+            self.gate.take_over_from(unknown)
         self.devices.begin(self._selections.value, last.choice if last else None)
         return self
 

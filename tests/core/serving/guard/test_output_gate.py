@@ -99,7 +99,7 @@ class Bench:
         }
         self.gate = OutputGate(N, **options)
         self.backend = Recorded(self.clock)
-        self.gate.take(self.backend, self.backend.can)
+        self.gate.adopt_device(self.backend, self.backend.can)
         self.permit = FOREVER
         self.sequence = 0
 
@@ -298,7 +298,7 @@ def test_the_ceiling_is_what_the_renderer_rounds_to(gain: float, levels: Any, pa
 
     bench = Bench(gain=gain)
     can = pc.Capability(256, levels)
-    bench.gate.take(bench.backend, can)
+    bench.gate.adopt_device(bench.backend, can)
     gains = np.full((1, N), gain * max(part, 0.5), np.complex64)
     made = Quantiser(can, 1, N).make_frame(gains, gain, 1, 0.0)
     top = Quantiser(can, 1, N).make_frame(gains * 10.0, gain, 1, 0.0)
@@ -351,7 +351,7 @@ def test_a_device_takes_over_with_the_first_frame_for_it() -> None:
     bench = Bench()
     other = Recorded(bench.clock)
     bench.sound()
-    assert bench.gate.take(other, pc.Capability(64, 32, 2000.0, 0.1)) == 2
+    assert bench.gate.adopt_device(other, pc.Capability(64, 32, 2000.0, 0.1)) == 2
     told = bench.status
     assert (told.generation, told.next_generation) == (1, 2)
     assert (told.phases, told.amplitudes, told.rate, told.watchdog) == (64, 32, 2000.0, 0.1)
@@ -371,7 +371,7 @@ def test_a_device_takes_over_with_the_first_frame_for_it() -> None:
 def test_it_takes_over_while_nothing_is_permitted_too() -> None:
     bench = Bench()
     other = Recorded(bench.clock)
-    bench.gate.take(other, other.can)
+    bench.gate.adopt_device(other, other.can)
     bench.step(bench.frame(device=2), armed=0)
     assert bench.status.generation == 2
     assert other.log == bench.backend.log == []
@@ -380,8 +380,8 @@ def test_it_takes_over_while_nothing_is_permitted_too() -> None:
 def test_a_third_device_supersedes_the_one_that_waits() -> None:
     bench = Bench()
     second, third = Recorded(bench.clock), Recorded(bench.clock)
-    bench.gate.take(second, second.can)
-    bench.gate.take(third, third.can)
+    bench.gate.adopt_device(second, second.can)
+    bench.gate.adopt_device(third, third.can)
     assert bench.gate.to_close == [second]
     bench.step(bench.frame(device=2))
     assert bench.status.generation == 1
@@ -395,7 +395,7 @@ def test_no_other_device_sounds_before_one_that_refuses_to_be_silent_is_closed()
     other = Recorded(bench.clock)
     bench.sound()
     bench.backend.raises["silence"] = OSError("stuck")
-    bench.gate.take(other, other.can)
+    bench.gate.adopt_device(other, other.can)
     for _ in range(5):
         bench.step(bench.frame(device=2))
         assert other.log == []
@@ -472,7 +472,7 @@ def test_without_a_device_nothing_happens() -> None:
         bench.step(bench.frame())
     assert bench.backend.what == ["send"]
     bench.gate.mark_closed(bench.backend)
-    bench.gate.take(bench.backend, bench.backend.can)
+    bench.gate.adopt_device(bench.backend, bench.backend.can)
     bench.step(bench.frame())
     bench.step(bench.frame(device=2))
     assert bench.backend.sent == [1, 8]
@@ -482,10 +482,10 @@ def test_generations_go_on_after_a_restart() -> None:
     """Until it has a device, the output of the earlier guard may still sound."""
     last = Bench().status
     guard = OutputGate(N, gain=1.0, frame_timeout=STALE)
-    guard.replace(msgspec.structs.replace(last, generation=7, sounding=True))
+    guard.take_over_from(msgspec.structs.replace(last, generation=7, sounding=True))
     assert (guard.make_status({}, ()).generation, guard.sounding) == (0, True)
     backend = Recorded(ManualClock())
-    guard.take(backend, backend.can)
+    guard.adopt_device(backend, backend.can)
     assert (guard.make_status({}, ()).generation, guard.sounding) == (8, False)
 
 
@@ -520,7 +520,7 @@ def test_whatever_happens_it_sounds_only_while_it_may(story: list[Any]) -> None:
         guard, now = bench.gate, bench.clock.time + after
         if what.get("take"):
             devices.append(Recorded(bench.clock))
-            guard.take(devices[-1], devices[-1].can)
+            guard.adopt_device(devices[-1], devices[-1].can)
         if what.get("clear"):
             guard.clear()
         if what.get("close"):
@@ -577,10 +577,10 @@ NEWS: dict[str, tuple[Callable[[Bench], object], Callable[[Bench], object]]] = {
     ),
     "a device comes": (
         lambda bench: None,
-        lambda bench: bench.gate.take(Recorded(bench.clock), pc.Capability()),
+        lambda bench: bench.gate.adopt_device(Recorded(bench.clock), pc.Capability()),
     ),
     "it takes over": (
-        lambda bench: bench.gate.take(Recorded(bench.clock), pc.Capability()),
+        lambda bench: bench.gate.adopt_device(Recorded(bench.clock), pc.Capability()),
         lambda bench: bench.step(bench.frame(device=2, rows=0)),
     ),
     "a fault": (lambda bench: None, lambda bench: bench.gate.fail("unplugged")),
@@ -643,7 +643,7 @@ def test_it_looks_again_in_a_quarter_of_a_millisecond_while_there_may_be_sound_o
         memory["permit"].write(FOREVER.pack())
         assert 0.0 < rounds.run_round() <= 0.25e-3
         other = Recorded(ManualClock())
-        rounds.gate.take(other, other.can)
+        rounds.gate.adopt_device(other, other.can)
         write_frame(memory, 2)
         assert rounds.run_round() == 0.0
         assert 0.0 < rounds.run_round() <= 0.25e-3
@@ -790,7 +790,7 @@ def test_at_the_end_all_devices_are_closed_even_if_it_cannot_be_told(
     monkeypatch.setattr(rounds, "publish_status", bad)
     with rounds:
         for backend in backends[:2]:
-            rounds.gate.take(backend, backend.can)
+            rounds.gate.adopt_device(backend, backend.can)
         rounds.gate.to_close.append(backends[2])
     assert [backend.what[-1] for backend in backends] == ["close"] * 3
 
@@ -823,5 +823,5 @@ def test_at_the_end_all_devices_are_closed_even_if_one_exits(
     backends[0].raises["close"] = SystemExit(3)
     with GuardLoop(tmp_path, SIMULATED) as rounds:
         for backend in backends:
-            rounds.gate.take(backend, backend.can)
+            rounds.gate.adopt_device(backend, backend.can)
     assert [backend.what[-1] for backend in backends] == ["close"] * 2
