@@ -17,11 +17,14 @@ from pacinian.wire.silence_cause import UNTOUCHED, Silence
 if TYPE_CHECKING:
     from pacinian.wire.state import State
 
+RESUMES = "the output sounds again as soon as it renews its lease"
 NOT_ARMED = "not armed: the game must arm the output"
 STOPPED = "stopped by an emergency stop: reset the server, then arm again"
 LATE = (
     "the renderer is late: sound returns when it catches up; `pacinian status` shows the tick times"
 )
+OPENING = "the device is being opened (if this lasts, see the server's log)"
+RESETTING = "the server is carrying out a reset"
 TURNED_DOWN = "the intensity is 0: select one above 0"
 NO_OBJECTS = "the scene has no objects: the game must put them there"
 NOT_SEEN = "no hand is seen: the tracker must see one, and the game must send it in each frame"
@@ -36,16 +39,28 @@ INFEASIBLE, FAILED = "infeasible", "failed"  # names of `Status.infeasible` and 
 UNREACHED_REASONS = SAMPLES_HARDLY_REACHED, SAMPLES_TOO_FAR, SAMPLES_ON_TRANSDUCER
 
 
-def find_cause(state: State, *, resumes: bool = False) -> Silence | None:
+def find_cause(
+    state: State,
+    *,
+    resumes: bool = False,
+    fault: str = "",
+    stopped: bool = False,
+    resetting: bool = False,
+) -> Silence | None:
     """Return why the output is silent; None if it sounds.
 
     state: with `cause` and `why` of the contact, as the renderer found them. resumes: whether the owner's next renewal
-    lets the output sound again.
+    lets the output sound again. fault: the fault that holds the output until a reset, or "". stopped: whether an
+    emergency stop holds it until a reset. resetting: whether a process still reports a fault that was reset.
     """
     if state.output == "sounding":
         return None
     if state.output == "faulted":
-        return _explain_fault(state)
+        if fault:
+            advice = "Remove its cause, then reset the server and arm again"
+            return Silence("fault", f"fault: {fault}. {advice}")
+        advice = _advise_until_ready(state, resumes, stopped)
+        return Silence("fault", f"{RESETTING if resetting else OPENING}. {advice}")
     if state.output == "stopped":
         return Silence("stopped", STOPPED)
     if state.output == "stale":
@@ -61,21 +76,22 @@ def find_cause(state: State, *, resumes: bool = False) -> Silence | None:
     return _explain_samples(state) if state.asked else _explain_contact(state)
 
 
-def _explain_fault(state: State) -> Silence:
-    if not state.backend and not state.faults:
-        return Silence("fault", "no device is open: it may still be starting; see the server's log")
-    fault = state.faults[-1] if state.faults else "see the server's log"
-    return Silence(
-        "fault", f"fault: {fault}. Remove its cause, then reset the server and arm again"
-    )
+def _advise_until_ready(state: State, resumes: bool, stopped: bool) -> str:
+    """Return what a client must do while the server opens a device or carries out a reset."""
+    if stopped:
+        return f"Meanwhile, the output was {STOPPED}"
+    if state.armed:
+        return "Sound returns when that is done"
+    if resumes:
+        return f'"{state.owner}" stands still: {RESUMES}, once that is done'
+    return "Sound returns when that is done, but the game must arm the output"
 
 
 def _explain_unarmed(state: State, resumes: bool) -> Silence:
     if not state.owner:
         return Silence("not armed", NOT_ARMED)
     if resumes:
-        advice = "the output sounds again as soon as it renews its lease"
-        return Silence("lease lost", f'"{state.owner}" stands still: {advice}')
+        return Silence("lease lost", f'"{state.owner}" stands still: {RESUMES}')
     advice = "it must arm again, and then renew its lease in each frame"
     return Silence("lease lost", f'"{state.owner}" lost its lease or was disarmed: {advice}')
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter, OrderedDict
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from msgspec.structs import replace
 
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 # Maximum number of requests handled in one round.
 MAX_ROUND_REQUESTS = 64
 # Longest wait for requests in one round: while the output is armed; while it is not; and while nobody watches the state
-# either [s]. So late may the end of another process be noticed.
+# either [s]. Control notices the end of another process within this time.
 MAX_WAIT, IDLE_WAIT, REST_WAIT = 0.01, 0.02, 0.05
 REST_PUBLISH_INTERVAL = 0.25  # shortest interval between two states that nobody watches [s]
 # Interval between two probes of the owner's link, and of the links of other clients [s].
@@ -53,17 +53,30 @@ MIN_WAIT = 0.001
 # spreads these moments evenly, so that a viewer sees the whole of a cycle of frames, and of a modulation.
 PUBLISH_PHASE_STEP = (5.0**0.5 - 1.0) / 2.0
 CHECK_INTERVAL = 0.02  # interval between two checks of the other processes [s]
-# Time after a reset during which a process may still report the fault that was reset, unless it has
-# answered the reset [s].
+# Time limit for a process to answer a reset. Until it does, it may still report what was reset [s].
 FAULT_CLEAR_TIMEOUT = 10.0
 # Maps a process to the component whose faults it reports.
-FAULT_COMPONENTS = {"guard": "device", "render": "renderer"}
+FAULT_COMPONENTS = {"render": "renderer", "guard": "device"}
+# What a client must do after the end of the bus, which ends the sessions.
+REJOIN_ADVICE = "say hello, put the objects again, and arm again"
 # Longest request that is still decoded from a client over its rate limit, because it may be a stop
 # [bytes].
 MAX_STOP_BYTES = 64
 # Rate of error replies to one client over its limits [1/s].
 ERROR_REPLY_RATE = 10.0
 MAX_PEERS = 4096  # maximum number of peers with a remembered rate
+
+
+class PendingReset(NamedTuple):
+    """A reset that a process has not answered yet.
+
+    fault: the fault that the process reported when it was reset; "" if the reset ends whichever it reports. until: when
+    to wait no longer [s]. ended: whether the process has ended. The next one does not know of the reset.
+    """
+
+    fault: str
+    until: float
+    ended: bool
 
 
 class ControlLoop:
@@ -95,18 +108,14 @@ class ControlLoop:
         self._rates: OrderedDict[bytes, tuple[TokenBucket, TokenBucket]] = OrderedDict()
         self._due = {"owner": 0.0, "others": 0.0, "check": 0.0, "publish": 0.0, "frame": 0.0}
         self._offset = 0.0  # of the newest published frame in its period
-        # Faults that were reset, and until when they are ignored [s].
-        self._reset: dict[str, tuple[str, float]] = {}
+        self._pending_resets: dict[str, PendingReset] = {}  # by process
         self._write_changes_and_reply()
 
     @property
     def ready(self) -> bool:
         """Whether all processes have sent a heartbeat and the renderer has reported."""
-        known = self.publisher.list_known()[
-            "solver"
-        ]  # the first client must be able to select a solver
-        alive = (self._supervisor.is_alive(name, time) for name, time in self._heartbeats.items())
-        return bool(known) and all(alive)
+        known = self.publisher.list_known()["solver"]  # the first client must be able to select one
+        return bool(known) and all(map(self._is_alive, self._heartbeats))
 
     @property
     def _heartbeats(self) -> dict[str, float]:
@@ -168,7 +177,8 @@ class ControlLoop:
             self._sockets.wait(MAX_WAIT)
             self.sessions.pass_time(self._clock())
             self._write_changes_and_reply()
-        self.sessions.end_all("the server ends", self._clock())
+        advice = "say hello when it runs again"
+        self.sessions.end_all("the server ends", self._clock(), advice)
         lease.stop()
         self._write_changes_and_reply()
         due = self._clock() + REST_WAIT
@@ -203,9 +213,9 @@ class ControlLoop:
 
     def _confirm_stops(self, now: float) -> None:
         """Confirm stops once a guard that lives has reported silence since."""
-        self.statuses.look()
+        self._look_for_faults(now)
         device = self.statuses.device
-        guarded = self._supervisor.is_alive("guard", device.heartbeat)
+        guarded = self._is_alive("guard")
         silent = guarded and not device.sounding and device.heartbeat > self._stops.stopped_at
         for peer, reply in self._stops.confirm_and_take_replies(
             silent, now, self._sockets.stop.confirm
@@ -285,7 +295,7 @@ class ControlLoop:
                     session, message, self.publisher.list_known(), now
                 ):
                     self._send(peer, reply)
-            case Arm() if not self._supervisor.is_alive("bus", self.statuses.bus_status.heartbeat):
+            case Arm() if not self._is_alive("bus"):
                 sessions.pass_time(now)
                 if sessions.find(peer, message.session, message.id):
                     problem = "the bus process is restarting"
@@ -299,12 +309,18 @@ class ControlLoop:
             self._note_reset(now)
 
     def _note_reset(self, now: float) -> None:
-        faults = {
-            "renderer": self.statuses.renderer_status.halted,
-            "device": self.statuses.device.fault,
-        }
-        self._reset = {
-            name: (fault, now + FAULT_CLEAR_TIMEOUT) for name, fault in faults.items() if fault
+        """Let the processes carry out a reset.
+
+        A renderer keeps its first fault until it carries out the reset, which ends even a fault that it has not
+        reported yet, such as the refusal to send to a device with a fault. The guard may replace a fault by a new one.
+        """
+        faults = {"render": "", "guard": self.statuses.device.fault}
+        self._pending_resets = {
+            process: PendingReset(
+                fault, now + FAULT_CLEAR_TIMEOUT, ended=not self._is_alive(process)
+            )
+            for process, fault in faults.items()
+            if fault or process == "render"
         }
         self.selections.set_reset_count(self.sessions.resets)
         self._log.info("reset")
@@ -349,26 +365,46 @@ class ControlLoop:
                 self._send(session.peer, self.sessions.make_probe(session, now))
         self._write_changes_and_reply()
 
-    def _check_processes(self, now: float) -> None:
-        """Read the statuses of the other processes, and check that they live."""
+    def _look_for_faults(self, now: float) -> None:
+        """Read the statuses of the other processes. A fault that was not reset stops the output."""
         self.statuses.look()
         lease = self.sessions.lease
         renderer_status, device = self.statuses.renderer_status, self.statuses.device
-        for name, fault, results in (
-            ("renderer", renderer_status.halted, renderer_status.results),
-            ("device", device.fault, device.results),
+        for process, fault, results in (
+            ("render", renderer_status.halted, renderer_status.results),
+            ("guard", device.fault, device.results),
         ):
-            old, until = self._reset.get(name, ("", 0.0))
-            answered = f"reset {self.selections.newest.reset}" in results
-            if not fault or fault != old or answered or now >= until:
-                self._reset.pop(name, None)
-                if fault and not lease.fault:
-                    self._record_fault(f"{name}: {fault}")
-                    lease.fail(f"{name}: {fault}")
-        sound = device.generation > 0 and (lease.permit.armed > 0 or device.sounding)
+            if self._is_reset_pending(process, fault, results, now):
+                continue
+            self._pending_resets.pop(process, None)
+            if fault and not lease.fault:
+                problem = f"{FAULT_COMPONENTS[process]}: {fault}"
+                self._record_fault(problem)
+                lease.fail(problem)
+
+    def _is_reset_pending(
+        self, process: str, fault: str, results: Mapping[str, str], now: float
+    ) -> bool:
+        """Whether what a process reports does not count, because it has not carried out the reset."""
+        pending = self._pending_resets.get(process)
+        if pending is None or now >= pending.until:
+            return False
+        answered = f"reset {self.selections.newest.reset}" in results
+        replaced = pending.ended and self._is_alive(process)
+        return not (answered or replaced) and pending.fault in ("", fault)
+
+    def _is_alive(self, process: str) -> bool:
+        """Whether the current process of that name has reported."""
+        return self._supervisor.is_alive(process, self._heartbeats[process])
+
+    def _check_processes(self, now: float) -> None:
+        """Read the statuses of the other processes, and check that they live."""
+        self._look_for_faults(now)
+        permit, device = self.sessions.lease.permit, self.statuses.device
+        sound = device.generation > 0 and (permit.armed > 0 or device.sounding)
         for name, why in self._supervisor.check(self._heartbeats, sound):
             self._handle_exit(name, why, now)
-        self.statuses.guarded = self._supervisor.is_alive("guard", self.statuses.device.heartbeat)
+        self.statuses.guarded = self._is_alive("guard")
         for peer, reply in self.selections.take_replies(self.statuses.results, now):
             self._send(peer, reply)
         self._write_changes_and_reply()
@@ -383,11 +419,13 @@ class ControlLoop:
             return
         problem = f"the process {name!r} {why}, and is restarted"
         self._record_fault(problem)
-        # the new process does not know of the reset
-        self._reset.pop(FAULT_COMPONENTS.get(name, ""), None)
-        self.sessions.lease.interrupt("fault", problem)
+        if pending := self._pending_resets.get(name):
+            self._pending_resets[name] = pending._replace(ended=True)
         if name == "bus":
-            self.sessions.end_all(problem, now)
+            self.sessions.lease.interrupt("fault", problem, REJOIN_ADVICE)
+            self.sessions.end_all(problem, now, REJOIN_ADVICE)
+        else:
+            self.sessions.lease.interrupt("fault", problem)
         if name == "render" and self.selections.note_renderer_end(now):
             self._record_fault("the configured solver replaces the selected one")
 

@@ -97,6 +97,11 @@ class ProcessStatuses:
             return old
 
     @property
+    def any_fault(self) -> bool:
+        """Whether the device or the renderer reports a fault."""
+        return bool(self.device.fault or self.renderer_status.halted)
+
+    @property
     def results(self) -> dict[str, str]:
         """Results of selections and resets, by "kind number"."""
         return {**self.renderer_status.results, **self.device.results}
@@ -132,7 +137,7 @@ class StatusPublisher:
         """
         statuses, lease, device = self._statuses, self._sessions.lease, self._statuses.device
         there = statuses.guarded and device.generation
-        if lease.fault or device.fault or statuses.renderer_status.halted or not there:
+        if lease.fault or statuses.any_fault or not there:
             return "faulted"
         if lease.permit.stopped:
             return "stopped"
@@ -177,9 +182,14 @@ class StatusPublisher:
         except (TypeError, ValueError):  # a plug-in's part is not valid
             self._statuses.unreadable += 1
             made = msgspec.convert({**nothing, **common}, State)
-        found = find_cause(made, resumes=lease.may_resume)
+        found = find_cause(
+            made,
+            resumes=lease.may_resume,
+            fault=lease.fault[:MAX_TEXT],
+            stopped=bool(lease.permit.stopped),
+            resetting=self._statuses.guarded and self._statuses.any_fault,
+        )
         cause, why = found or ("", "")
-        # not before: an object that could not be put is no cause of a fault
         refused = [
             f"{name or 'changes'}: {text}"[:MAX_TEXT]
             for name, text in renderer_status.refused.items()

@@ -112,10 +112,10 @@ class ClientSessions:
         if session := self._by_peer.get(peer):
             self._end_session(session, now)
 
-    def end_all(self, problem: str, now: float) -> None:
+    def end_all(self, problem: str, now: float, advice: str) -> None:
         """End all sessions, because their scenes are lost."""
         for session in self.all:
-            error = Error(code="session", message=problem, advice="say hello, and put it again")
+            error = Error(code="session", message=problem, advice=advice)
             self._tell(session.peer, error)
             self._end_session(session, now)
 

@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     from pacinian.plugins.solver import Solver
     from pacinian.scene.config_sections import PluginConfig
 
-LOADING = threading.Lock()  # held by the one thread that loads plug-ins
+# held by the one thread that imports plug-ins, so that others do not wait for an import without a limit
+LOADING = threading.Lock()
 # Longest wait for the list of all plug-ins [s].
 MAX_LISTING_TIME = 20.0
 MAX_IMPORT_WAIT = 4.0  # longest wait for the import of plug-ins in another thread [s]
@@ -65,18 +66,21 @@ def list_offers(kind: Kind) -> tuple[Plugin, ...]:
     plugins = registry.discover_plugins()
     with LOADING:
         plugins.load(kind=kind)
+    for error in (*plugins.clashes.values(), *plugins.shadowed.values()):
+        log().warning("several plug-ins have one name", error=describe_error(error))
     return _collect_offers(kind)
 
 
 def _collect_offers(kind: Kind) -> tuple[Plugin, ...]:
+    plugins = registry.discover_plugins()
     return tuple(
         Plugin(
             name=offer.name,
             summary=shorten(str(offer.cls.__doc__ or "").strip().partition("\n")[0])[:200],
             options=_list_options(offer),
         )
-        for _, offer in sorted(registry.discover_plugins().offers.copy().items())
-        if offer.kind == kind
+        for _, offer in sorted(plugins.offers.copy().items())
+        if offer.kind == kind and offer.name not in plugins.clashes
     )
 
 
@@ -98,17 +102,17 @@ def make_plugin(
 def find_plugin(kind: Kind, name: str) -> Offer:
     """Return the plug-in of that name; import it if necessary. Raises UnknownPlugin, PluginError."""
     plugins = registry.discover_plugins()
-    if (kind, name) not in plugins.offers:
-        if not LOADING.acquire(timeout=MAX_IMPORT_WAIT):
-            raise PluginError(
-                f"the server cannot search for {name!r} while it imports the plug-in {plugins.importing!r}: try again, "
-                f"or uninstall {plugins.importing!r}"
-            )
-        try:
-            plugins.find(kind, name)
-        finally:
-            LOADING.release()
-    return plugins.find(kind, name)
+    if offer := plugins.find_loaded(kind, name):
+        return offer
+    if not LOADING.acquire(timeout=MAX_IMPORT_WAIT):
+        raise PluginError(
+            f"the server cannot search for {name!r} while it imports the plug-in {plugins.importing!r}: try again, "
+            f"or uninstall {plugins.importing!r}"
+        )
+    try:
+        return plugins.find(kind, name)
+    finally:
+        LOADING.release()
 
 
 def _list_options(offer: Offer) -> dict[str, int | float | str]:

@@ -212,8 +212,8 @@ class RenderLoop:
     def run_between(self) -> None:
         """Do the work between two ticks: settings, a new device, a new solver, a report. Never raises an Exception."""
         for step in (
-            self._follow_device,
             self._poll_selections,
+            self._follow_device,  # after the selections: a reset must not be answered with an older status
             self._poll_solver,
             self._restart_after_reset,
         ):

@@ -1,5 +1,6 @@
 """Causes of silence, from states: each cause alone, and the first that applies."""
 
+import re
 from typing import Any, get_args
 
 import numpy as np
@@ -35,10 +36,11 @@ def state(**fields: Any) -> State:
 
 ONE = np.ones(1, "<f4").tobytes()
 ZERO = np.zeros(1, "<f4").tobytes()
+OPENS, RESETS = "the device is being opened", "carrying out a reset"
+"""What the server does when no fault holds the output."""
 CASES: list[tuple[Cause, State, str]] = [
-    ("fault", state(output="faulted", faults=("device: gone",)), "device: gone.*reset.*arm"),
-    ("fault", state(output="faulted", backend=""), "no device"),
-    ("fault", state(output="faulted"), "log"),
+    ("fault", state(output="faulted", backend=""), f"{OPENS}.*log"),
+    ("fault", state(output="faulted"), f"{OPENS}.*log"),
     ("stopped", state(output="stopped", armed=False), r"emergency stop: reset the server, then arm"),
     ("late", state(output="stale"), "late"),
     ("not armed", state(armed=False, owner="", scene=""), r"not armed: the game must arm"),
@@ -68,6 +70,32 @@ def test_each_cause_is_told_with_what_to_do(cause: Cause, told: State, says: str
     assert found.cause == cause
     with pytest.raises(AssertionError, match=says):
         raise AssertionError(str(found))
+
+
+@pytest.mark.parametrize(
+    ("told", "rules", "says"),
+    [
+        ({}, {"fault": "device: gone"}, "fault: device: gone. Remove its cause, then reset the server and arm again"),
+        ({"armed": False}, {"fault": "x", "stopped": True, "resetting": True}, "fault: x. Remove its cause, then"),
+        ({}, {}, f"{OPENS}.*Sound returns when that is done$"),
+        ({"armed": False}, {}, f"{OPENS}.*but the game must arm the output$"),
+        ({"armed": False}, {"resumes": True}, f'{OPENS}.*"game" stands still: .*as soon as it renews'),
+        ({"armed": False}, {"stopped": True}, f"{OPENS}.*emergency stop: reset the server, then arm again$"),
+        ({}, {"resetting": True}, f"{RESETS}. Sound returns when that is done$"),
+        ({"armed": False}, {"resetting": True}, f"{RESETS}.*but the game must arm the output$"),
+        ({"armed": False}, {"resetting": True, "stopped": True}, f"{RESETS}.*reset the server, then arm again$"),
+    ],
+)  # fmt: skip
+def test_a_faulted_output_is_explained_by_the_fault_that_holds_it(
+    told: dict[str, Any], rules: dict[str, Any], says: str
+) -> None:
+    """Other faults in the list are over: they neither silence the output nor need a reset."""
+    found = find_cause(state(output="faulted", faults=("device: over",), **told), **rules)
+    assert found is not None
+    assert found.cause == "fault"
+    assert re.search(says, found.text)
+    assert "over" not in found.text
+    assert ("reset the server" in found.text) == bool({"fault", "stopped"} & rules.keys())
 
 
 def test_all_causes_are_tried_here() -> None:

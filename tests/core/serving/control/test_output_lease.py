@@ -78,7 +78,7 @@ def test_when_the_bus_has_gone_all_sessions_end_and_are_told() -> None:
     desk = FakeControl()
     desk.hello().arm()
     desk.hello(b"other")
-    desk.sessions.end_all("gone", desk.clock.time)
+    desk.sessions.end_all("gone", desk.clock.time, "say hello")
     assert sorted((to, code(reply)) for to, reply in desk.sessions.take_replies()) == [
         (b"game", "session"),
         (b"other", "session"),

@@ -1,4 +1,4 @@
-"""Control survives bugs, verbose plug-ins, and crowds of strangers."""
+"""Control survives bugs, faults, verbose plug-ins, and crowds of strangers."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import sys
 import threading
 import time
 from pathlib import Path
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import psutil
@@ -18,18 +19,23 @@ from msgspec.structs import replace
 
 from pacinian.errors import WireError
 from pacinian.serving.control import process as control_process
+from pacinian.serving.control.process import ControlLoop
 from pacinian.serving.control.sockets import ControlSockets
 from pacinian.serving.ipc.auth import Authenticator
+from pacinian.serving.ipc.messages import DeviceStatus, RendererStatus, pack
 from pacinian.serving.ipc.scheduling import URGENT
-from pacinian.serving.settings import Network
-from pacinian.wire.codec import encode
-from pacinian.wire.control import Arm, Capabilities, Choice, Select, Status, Stop
-from pacinian.wire.replies import Error, Ok
+from pacinian.serving.settings import Network, Settings
+from pacinian.testing import ManualClock
+from pacinian.wire.codec import decode_reply, encode
+from pacinian.wire.control import Arm, Capabilities, Choice, Hello, Reset, Select, Status, Stop
+from pacinian.wire.protocol import MAJOR, MINOR
+from pacinian.wire.replies import Error, Ok, Welcome
 from pacinian.wire.state import State
 from pacinian.wire.stop_datagram import StopSocket
 
 from ....waiting import eventually
 from ..processes import PATIENT
+from ..test_status import Memory
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -199,6 +205,175 @@ def test_a_state_that_is_too_long_is_not_published(server: Any) -> None:
     assert isinstance(game.ask(Arm), Ok)
     server.extra["render"]["state"] = {"solver": "short"}
     eventually(lambda: next_state().solver == "short")
+
+
+# faults and resets
+
+
+class Bench:
+    """A control loop with fake files, whose processes report what a test says. armed: whether the owner is."""
+
+    def __init__(self) -> None:
+        self.clock, self.alive = ManualClock(1.0), {"guard", "bus", "render"}
+        self.deaths: list[tuple[str, str]] = []
+        names = "permit", "sessions", "selections", "renderer_status", "device", "bus_status"
+        self.files = {name: Memory() for name in names}
+        self.sent: list[Any] = []
+        stop = SimpleNamespace(confirm=lambda confirmed: None)
+        sockets: Any = SimpleNamespace(reply=self.note_reply, stop=stop)
+        supervisor: Any = SimpleNamespace(
+            is_alive=lambda name, heartbeat: name in self.alive, check=self.take_deaths
+        )
+        files: Any = self.files
+        self.loop = ControlLoop(Settings(), sockets, files, supervisor, self.clock.now)
+        self.report()
+        hello = self.ask(Hello(id=1, protocol=(MAJOR, MINOR), client="game"))
+        assert isinstance(hello, Welcome)
+        self.key = hello.session
+        self.ask(Arm(id=2, session=self.key))
+
+    def note_reply(self, peer: bytes, data: bytes) -> bool:
+        del peer
+        self.sent.append(decode_reply(data))
+        return True
+
+    def take_deaths(self, *_: object) -> list[tuple[str, str]]:
+        deaths, self.deaths = self.deaths, []
+        return deaths
+
+    def ask(self, message: Any) -> Any:
+        self.loop._carry_out(b"game", "", message, self.clock.now())
+        self.loop._write_changes_and_reply()
+        return self.sent[-1]
+
+    def reset_and_arm(self) -> None:
+        assert isinstance(self.ask(Reset(id=3, session=self.key)), Ok)
+        assert isinstance(self.ask(Arm(id=4, session=self.key)), Ok)
+
+    def report(
+        self, fault: str = "", halted: str = "", *, guard: int = 0, render: int = 0, device: int = 1
+    ) -> None:
+        """Let the guard and the renderer report. guard, render: the last reset that each has carried out."""
+        now = self.clock.now()
+        self.report_device(fault, device, {f"reset {guard}": ""})
+        self.files["renderer_status"].write(
+            pack(RendererStatus(now, {}, {f"reset {render}": ""}, halted))
+        )
+        self.loop._check_processes(now)
+
+    def report_device(self, fault: str, generation: int, results: dict[str, str]) -> None:
+        now = self.clock.now()
+        told = DeviceStatus(generation, 0, "a", 2, 2, 1.0, None, now, sounding=False, fault=fault)
+        self.files["device"].write(pack(replace(told, results=results)))
+
+    def end_process(self, name: str) -> None:
+        self.alive.remove(name)
+        self.deaths.append((name, "was killed"))
+        self.loop._check_processes(self.clock.now())
+
+    @property
+    def armed(self) -> bool:
+        return self.loop.sessions.lease.armed
+
+    @property
+    def why(self) -> str:
+        return self.loop.publisher.make_state(self.clock.now(), {}).why
+
+
+@pytest.fixture
+def bench(logged: Any) -> Bench:
+    """Return a bench whose log does not disturb the output of the tests."""
+    return Bench()
+
+
+def test_a_renderer_that_meets_the_devices_fault_after_a_reset_has_no_fault_of_its_own(
+    bench: Bench,
+) -> None:
+    """It cannot send until the guard has carried out the reset."""
+    bench.report("is loud")
+    assert not bench.armed
+    bench.reset_and_arm()
+    bench.report("is loud", "send: is loud")
+    bench.report("", "send: is loud", guard=1)
+    assert bench.armed
+    assert "carrying out a reset. Sound returns when that is done" in bench.why
+    bench.report(guard=1, render=1)
+    assert bench.armed
+    assert bench.loop.publisher.faults == ["device: is loud"]
+
+
+def test_a_renderer_that_is_halted_after_it_has_carried_out_the_reset_has_a_new_fault(
+    bench: Bench,
+) -> None:
+    bench.report("is loud")
+    bench.reset_and_arm()
+    bench.report("", "send: is loud", guard=1, render=1)
+    assert not bench.armed
+    assert "fault: renderer: send: is loud. Remove its cause, then reset" in bench.why
+
+
+def test_a_renderer_that_never_carries_out_the_reset_has_a_fault(bench: Bench) -> None:
+    bench.report(halted="solve: broken")
+    bench.reset_and_arm()
+    bench.report(halted="solve: broken")
+    assert bench.armed
+    bench.clock.advance(control_process.FAULT_CLEAR_TIMEOUT)
+    bench.report(halted="solve: broken")
+    assert "fault: renderer: solve: broken" in bench.why
+
+
+@pytest.mark.parametrize("dies_first", [True, False])
+@pytest.mark.parametrize("name", ["guard", "render"])
+def test_the_last_report_of_a_process_that_ended_is_no_news_after_a_reset(
+    bench: Bench, name: str, dies_first: bool
+) -> None:
+    faults = ("is loud", "") if name == "guard" else ("", "solve: broken")
+    bench.report(*faults)
+    if dies_first:
+        bench.end_process(name)
+        bench.reset_and_arm()
+    else:
+        bench.reset_and_arm()
+        bench.end_process(name)
+    bench.report(*faults)
+    assert not bench.loop.sessions.lease.fault
+    bench.alive.add(name)
+    bench.report(*faults)
+    assert bench.loop.sessions.lease.fault, "this is the report of the process that replaced it"
+
+
+def test_a_fault_that_is_seen_when_a_stop_is_confirmed_needs_a_reset(bench: Bench) -> None:
+    """Otherwise, a reset before the next check would reset a fault that nobody was told of."""
+    bench.report_device("is loud", 1, {})
+    bench.loop.sessions.lease.stop()
+    bench.loop._confirm_stops(bench.clock.now())
+    assert bench.loop.publisher.faults == ["device: is loud"]
+    assert "fault: device: is loud. Remove its cause, then reset" in bench.why
+
+
+def test_while_a_new_guard_opens_the_device_no_reset_is_needed(bench: Bench) -> None:
+    bench.report("was loud")
+    bench.reset_and_arm()
+    bench.report(guard=1, render=1)
+    bench.end_process("guard")
+    assert "arm again" in bench.sent[-1].advice
+    for _ in ("it starts", "it has reported, without a device"):
+        assert "the device is being opened" in bench.why
+        assert "the game must arm the output" in bench.why
+        assert "reset" not in bench.why
+        bench.alive.add("guard")
+        bench.report(device=0, guard=1, render=1)
+    assert isinstance(bench.ask(Arm(id=9, session=bench.key)), Ok)
+    assert bench.why.endswith("Sound returns when that is done")
+    bench.loop.sessions.lease.stop()
+    assert "reset the server, then arm again" in bench.why
+
+
+def test_after_the_end_of_the_bus_a_client_must_say_hello(bench: Bench) -> None:
+    bench.end_process("bus")
+    told = [each for each in bench.sent if isinstance(each, Error)]
+    assert [error.code for error in told] == ["fault", "session"]
+    assert all("say hello" in error.advice for error in told)
 
 
 # strangers
