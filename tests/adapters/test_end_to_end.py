@@ -57,7 +57,7 @@ def test_a_game_in_csharp(csharp_core: Path, server: Server) -> None:
     assert told["foci"] > 0
     assert told["far"] < REACH
     assert told["inputs"] > 0
-    assert 0.0 < told["trip_p50"] <= told["trip_p99"]
+    assert 0.0 < told["round_trip_p50"] <= told["round_trip_p99"]
     assert 0.0 < told["hand_p50"] <= told["hand_p99"]
 
 

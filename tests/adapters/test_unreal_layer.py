@@ -11,6 +11,8 @@ from scipy.spatial.transform import Rotation
 
 import pacinian as pc
 from pacinian.wire.modulation import Wave
+from pacinian.wire.objects import Volume
+from pacinian.wire.shapes import Box, Placed, Union
 from pacinian_lab.server.faults.server import Server
 
 from ..core.client.fake_server import Fake
@@ -192,6 +194,35 @@ def test_colliders_of_what_is_attached_are_part_of_a_volume_while_they_are_there
     samples = np.frombuffer(wave.samples, "<f4")
     assert len(samples) / wave.rate == pytest.approx(0.5)
     np.testing.assert_allclose(samples[[0, -1]], [1.0, 0.0], atol=2e-3)  # the pressure: 1 to 0.5
+    assert not [told for told in game.told if told.get("event") == "refused"]
+
+
+def test_each_change_of_an_attached_collider_is_sent(
+    play: Callable[..., Game], server: Server
+) -> None:
+    """At 60 and at 300 degrees, the quaternion differs only in w."""
+    game = play("handless", "again")
+    connected(game)
+    for side, yaw in [
+        (2.0, 60.0),
+        (2.0, 300.0),
+        (float(np.nextafter(np.float32(2.0), 3.0)), 300.0),
+    ]:
+        game.do(f"shelf 0 0 -5 {side:.9f} {yaw}")
+        turn = Rotation.from_euler("z", -yaw, degrees=True)  # from left-handed to right-handed axes
+
+        def has_box(side: float = side, turn: Rotation = turn) -> bool:
+            with pc.Client(server.file, name="onlooker", timeout=PATIENCE) as onlooker:
+                ball = onlooker.show().objects.get("ball")
+            if not isinstance(ball, Volume) or not isinstance(ball.shape, Union):
+                return False
+            box = ball.shape.parts[-1]
+            assert isinstance(box, Placed)
+            assert isinstance(box.shape, Box)
+            off = (Rotation.from_quat(box.pose.rotation) * turn.inv()).magnitude()
+            return bool(off < 1e-6 and np.allclose(box.shape.size, 0.01 * side, rtol=1e-8))
+
+        eventually(has_box)
     assert not [told for told in game.told if told.get("event") == "refused"]
 
 
@@ -390,12 +421,14 @@ def _upper(state: State, half: tuple[float, float], height: float) -> np.ndarray
         ("mesh 6 4 1", (0.03, 0.02), 0.205),
     ],
 )
-def test_surfaces_face_up(
-    play: Callable[..., Game], server: Server, shape: str, half: tuple[float, float], height: float
-) -> None:
+@pytest.mark.parametrize("scale", ["1 1 1", "-1 1 1", "1 1 -1"])
+def test_surfaces_face_up_and_a_flat_one_down_if_mirrored_along_z(
+    play: Callable[..., Game], server: Server, scale: str, shape: str,
+    half: tuple[float, float], height: float,
+) -> None:  # fmt: skip
     game = play("handless")
     connected(game)
-    for line in ("place plate 3 1 20 90 1", shape, "silence ball", "play plate", "arm"):
+    for line in (f"place plate 3 1 20 90 {scale}", shape, "silence ball", "play plate", "arm"):
         game.do(line)
     upper = np.empty((0, 3))
 
@@ -408,7 +441,8 @@ def test_surfaces_face_up(
     if shape.startswith("mesh"):  # the ball has become a box of that mesh
         game.do("play ball")
         eventually(lambda: set(look(server).objects) == {"ball", "Things.Surface"})
-    np.testing.assert_allclose(upper, np.broadcast_to([0.0, 0.0, 1.0], upper.shape), atol=1e-3)
+    up = -1.0 if scale.endswith("-1") and not shape.startswith("mesh") else 1.0
+    np.testing.assert_allclose(upper, np.broadcast_to([0.0, 0.0, up], upper.shape), atol=1e-3)
     assert not [told for told in game.told if told.get("event") == "refused"]
 
 

@@ -80,14 +80,14 @@ class Play {
     const double game = allocated(example::game), worker = allocated(example::worker);
     std::sort(calls_.begin(), calls_.end());
     std::sort(latencies_.begin(), latencies_.end());
-    const pacinian::Trips trips = client_.trips();
+    const pacinian::RoundTrips round_trips = client_.round_trips();
     std::printf(
         "{\"round_trip_p50\": %.6f, \"round_trip_p99\": %.6f, \"hand_to_emitted_p50\": %.6f, "
         "\"hand_to_emitted_p99\": %.6f, \"hands\": %zu, \"allocations_game\": %.4f, "
         "\"allocations_worker\": %.4f, \"call_p99\": %.6f, \"call_longest\": %.6f, \"frames\": %d, "
         "\"armed\": %s, \"points\": %zu, \"at\": [%.4f, %.4f, %.4f], \"hand_x\": %.4f, \"solvers\": [%s], "
         "\"backends\": [%s]}\n",
-        trips.median, trips.p99, quantile(latencies_, 0.5), quantile(latencies_, 0.99),
+        round_trips.median, round_trips.p99, quantile(latencies_, 0.5), quantile(latencies_, 0.99),
         latencies_.size(), game, worker, quantile(calls_, 0.99), quantile(calls_, 1.0), frames_,
         client_.armed() ? "true" : "false", points_, at_[0], at_[1], at_[2], x_, solvers_.c_str(),
         backends_.c_str());

@@ -208,13 +208,13 @@ void refusals_are_told_without_what_is_empty() {
 
 void round_trips() {
   ServerClock server_clock;
-  EXPECT(server_clock.trips().median == 0.0 && server_clock.offset() == 0.0);
+  EXPECT(server_clock.round_trips().median == 0.0 && server_clock.offset() == 0.0);
   for (int i = 1; i <= 300; ++i) {
-    server_clock.add_trip(0.0, i);
+    server_clock.add_round_trip(0.0, i);
     server_clock.add_mark(i, i + (i % 7 ? 0.01 : 0.001), i + 100.0 + (i % 7 ? 0.009 : 0.0005));
   }
-  EXPECT(server_clock.trips().median == 150.0 && server_clock.trips().longest == 300.0);
-  EXPECT(server_clock.trips().p99 == 297.0);
+  EXPECT(server_clock.round_trips().median == 150.0 && server_clock.round_trips().longest == 300.0);
+  EXPECT(server_clock.round_trips().p99 == 297.0);
   EXPECT(std::fabs(server_clock.offset() - 100.0) < 1e-9);
   EXPECT(std::fabs(server_clock.age(400.0, 301.0) - 1.0) < 1e-9);
 }

@@ -36,6 +36,7 @@ class Fuzz {
     settings.topic = "state";
     settings.max_message = max_message;
     settings.ping_interval = 0.05 * static_cast<double>(choose(2));
+    settings.ping_timeout = 1.5;
     const std::string bytes = tamper(make_transcript(settings));
     ZmtpConnection made(settings, 0.0);
     std::deque<std::string> messages;

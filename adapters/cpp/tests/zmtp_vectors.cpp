@@ -26,7 +26,7 @@ Settings read_settings(const script::Step& step) {
     if (key == "user") made.is_plain = true, made.login.user = value;
     if (key == "password") made.login.password = value;
     if (key == "topic") made.topic = value;
-    if (key == "ping") made.ping_interval = std::stod(value);
+    if (key == "ping") made.ping_interval = std::stod(value), made.ping_timeout = 1.5;
   }
   return made;
 }

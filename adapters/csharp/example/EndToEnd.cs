@@ -170,11 +170,11 @@ namespace Pacinian.Example
 
         private string Report()
         {
-            Trips trips = _client.Trips;
+            RoundTrips roundTrips = _client.RoundTrips;
             State state = _client.State;
             return "{\"frames\":" + _frames + ",\"foci\":" + _foci + ",\"far\":" + Figures.Json(_farthest)
                 + ",\"solver\":\"" + state.Solver + "\",\"backend\":\"" + state.Backend + "\""
-                + ",\"trip_p50\":" + Figures.Json(trips.Median) + ",\"trip_p99\":" + Figures.Json(trips.P99)
+                + ",\"round_trip_p50\":" + Figures.Json(roundTrips.Median) + ",\"round_trip_p99\":" + Figures.Json(roundTrips.P99)
                 + ",\"inputs\":" + _handAges.Count + ",\"hand_p50\":" + Figures.Json(_handAges.Quantile(0.5))
                 + ",\"hand_p99\":" + Figures.Json(_handAges.Quantile(0.99))
                 + ",\"call_p50\":" + Figures.Json(_calls.Quantile(0.5)) + ",\"call_p99\":" + Figures.Json(_calls.Quantile(0.99))

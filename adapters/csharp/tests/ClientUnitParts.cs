@@ -6,28 +6,28 @@ namespace Pacinian.Tests
     /// <summary>Tests of round trips, clocks, requests and events.</summary>
     internal sealed class ClientUnitParts
     {
-        public void TripsAndTheServersClock()
+        public void RoundTripsAndTheServersClock()
         {
             ServerClock clock = new ServerClock();
             ClientUnit.Equal(0.0, clock.Offset);
-            ClientUnit.Equal(0.0, clock.Trips.Median);
+            ClientUnit.Equal(0.0, clock.RoundTrips.Median);
             for (int i = 1; i <= 100; i++)
             {
-                clock.AddTrip(i, i + 0.001 * i);
+                clock.AddRoundTrip(i, i + 0.001 * i);
                 clock.AddMark(i, i + 0.001 * i, i + 5.0 + 0.0005 * i);
             }
-            ClientUnit.Near(0.051, clock.Trips.Median, 1e-9);
-            ClientUnit.Near(0.099, clock.Trips.P99, 1e-9);
-            ClientUnit.Near(0.100, clock.Trips.Longest, 1e-9);
+            ClientUnit.Near(0.051, clock.RoundTrips.Median, 1e-9);
+            ClientUnit.Near(0.099, clock.RoundTrips.P99, 1e-9);
+            ClientUnit.Near(0.100, clock.RoundTrips.Longest, 1e-9);
             ClientUnit.Near(5.0, clock.Offset, 1e-9);
             clock.AddMark(200.0, 200.0001, 300.0);
             ClientUnit.Near(99.99995, clock.Offset, 1e-9); // the shortest recent one
             for (int i = 0; i < 2000; i++)
             {
-                clock.AddTrip(i, i + 0.5);
+                clock.AddRoundTrip(i, i + 0.5);
                 clock.AddMark(i, i + 0.5, i);
             }
-            ClientUnit.Near(0.5, clock.Trips.Median, 1e-9); // older ones are dropped
+            ClientUnit.Near(0.5, clock.RoundTrips.Median, 1e-9); // older ones are dropped
             ClientUnit.Near(-0.25, clock.Offset, 1e-9);
         }
 
@@ -137,7 +137,7 @@ namespace Pacinian.Tests
         {
             Inbox inbox = new Inbox();
             SessionState sessionState;
-            Trips trips;
+            RoundTrips roundTrips;
             double offset;
             ClientUnit.Holds(inbox.Read == null);
             for (int i = 1; i <= 9; i++)
@@ -147,8 +147,8 @@ namespace Pacinian.Tests
                 bool looks = i % 3 == 0;
                 if (looks)
                 {
-                    ClientUnit.Holds(inbox.TakeState(out sessionState, out trips, out offset));
-                    ClientUnit.Holds(!inbox.TakeState(out sessionState, out trips, out offset));
+                    ClientUnit.Holds(inbox.TakeState(out sessionState, out roundTrips, out offset));
+                    ClientUnit.Holds(!inbox.TakeState(out sessionState, out roundTrips, out offset));
                 }
                 ClientUnit.Equal(i / 3 * 3, inbox.Read == null ? 0 : (int)inbox.Read.Sequence);
                 ClientUnit.Holds(inbox.Read != inbox.Back);
@@ -156,7 +156,7 @@ namespace Pacinian.Tests
             inbox.PublishState();
             inbox.SetSessionState(new SessionState { Session = 2 });
             ClientUnit.Holds(inbox.Read != null); // valid until the next look
-            ClientUnit.Holds(!inbox.TakeState(out sessionState, out trips, out offset));
+            ClientUnit.Holds(!inbox.TakeState(out sessionState, out roundTrips, out offset));
             ClientUnit.Holds(inbox.Read == null); // states of another session are not read
         }
 

@@ -48,6 +48,7 @@ namespace Pacinian.Tests
                 Password = plain ? "token" : null,
                 MaxMessage = MaxMessage,
                 PingInterval = _random.Next(2) * 0.05,
+                PingTimeout = 1.5,
             };
             settings.Topics.Add(Encoding.ASCII.GetBytes("state"));
             byte[] bytes = Tamper(Transcript(settings));

@@ -15,7 +15,7 @@ from zmq.utils.monitor import recv_monitor_message
 from pacinian.errors import ConnectionLost, WireError
 from pacinian.wire.codec import decode_reply, id_of
 from pacinian.wire.connection_file import START_SERVER
-from pacinian.wire.protocol import MAX_REPLY_BYTES
+from pacinian.wire.protocol import HEARTBEAT_INTERVAL_MS, HEARTBEAT_TIMEOUT_MS, MAX_REPLY_BYTES
 from pacinian.wire.replies import Error
 
 if TYPE_CHECKING:
@@ -41,9 +41,9 @@ ONCE = {zmq.IMMEDIATE: 1, zmq.RECONNECT_IVL: -1}
 # The timeout is a little shorter than that of a reply. Silence does not depend on it, but on the
 # lease (decision 29).
 HEARTBEAT = {
-    zmq.HEARTBEAT_IVL: 50,
-    zmq.HEARTBEAT_TTL: 1500,
-    zmq.HEARTBEAT_TIMEOUT: 1500,
+    zmq.HEARTBEAT_IVL: HEARTBEAT_INTERVAL_MS,
+    zmq.HEARTBEAT_TTL: HEARTBEAT_TIMEOUT_MS,
+    zmq.HEARTBEAT_TIMEOUT: HEARTBEAT_TIMEOUT_MS,
     zmq.RCVHWM: 0,
 }
 

@@ -1,4 +1,4 @@
-"""The protocol's version, its limits, and the types of its fields.
+"""The protocol's version, its limits, the heartbeats of clients, and the types of its fields.
 
 A message is one MessagePack map with a key `type`. Newer minor versions only add optional fields, which older
 readers ignore. Any other change makes a new major version. Lengths are in metres and times in seconds; the world's
@@ -16,6 +16,9 @@ MAX_COMMAND_BYTES = 1 << 20  # size of a message on the command socket [bytes]
 MAX_CONTROL_BYTES = 1 << 16  # size of a message on the control socket [bytes]
 MAX_REPLY_BYTES = 1 << 20  # size of a reply or state [bytes]
 SESSION_BYTES = 16  # size of a session key [bytes]
+
+HEARTBEAT_INTERVAL_MS = 50  # time between two ZMTP heartbeats of a client [ms]
+HEARTBEAT_TIMEOUT_MS = 1500  # longest silence of the server after a heartbeat [ms]
 
 MAX_OBJECTS = 256  # objects in one message
 MAX_HANDS = 8  # hands in one message

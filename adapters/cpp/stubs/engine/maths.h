@@ -101,6 +101,7 @@ class FTransform {
       : Turn(rotation), Place(place), Scale(scale) {}
   FTransform(const FRotator& rotation, const FVector& place) : Turn(rotation), Place(place) {}
   const FQuat& GetRotation() const { return Turn; }
+  void SetRotation(const FQuat& Given) { Turn = Given; }
   const FVector& GetLocation() const { return Place; }
   const FVector& GetScale3D() const { return Scale; }
   FVector TransformPosition(const FVector& Given) const { return Turn.RotateVector(Scale * Given) + Place; }

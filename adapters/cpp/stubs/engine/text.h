@@ -120,6 +120,7 @@ class TArray {
   T& Last() { return Made.back(); }
   T& operator[](int32 i) { return Made.at(i); }
   const T& operator[](int32 i) const { return Made.at(i); }
+  bool operator==(const TArray& Other) const { return Made == Other.Made; }
   auto begin() const { return Made.begin(); }
   auto end() const { return Made.end(); }
 

@@ -153,16 +153,18 @@ void Level::serve(std::istream& from) {
   server->StartServer(problem);
 }
 
-/// Moves the array, the ball, the point or the plate: position [cm], yaw [deg], scale. The position of the array is in
-/// the level, others are above the array.
+/// Moves the array, the ball, the point or the plate: position [cm], yaw [deg], scale (1 or 3 numbers). The position of
+/// the array is in the level, others are above the array.
 void Level::place(std::istream& from) {
   std::string what;
-  double yaw = 0.0, scale = 1.0;
+  double yaw = 0.0;
+  FVector scale;
   from >> what;
   const FVector at = vector(from);
-  from >> yaw >> scale;
+  from >> yaw >> scale.X;
+  if (!(from >> scale.Y >> scale.Z)) scale = FVector(scale.X, scale.X, scale.X);
   USceneComponent* moved = what == "ball" ? ball : what == "array" ? static_cast<USceneComponent*>(array->Origin) : named(what);
-  moved->SetRelativeTransform(FTransform(FQuat(FRotator{0.0, yaw, 0.0}), at, FVector(scale, scale, scale)));
+  moved->SetRelativeTransform(FTransform(FQuat(FRotator{0.0, yaw, 0.0}), at, scale));
   tell(R"({"did": "place"})");
 }
 
@@ -250,15 +252,18 @@ void Level::surface(std::istream& from) {
   volume->Refresh();
 }
 
-/// Adds a box to the ball's collision: position [cm] and side [cm]; a side of 0 removes it.
+/// Adds a box to the ball's collision: position [cm], side [cm] and yaw [deg]; a side of 0 removes it.
 void Level::shelf(std::istream& from) {
   if (!box) {
     box = things->CreateDefaultSubobject<UPrimitiveComponent>(TEXT("Box"));
     box->SetupAttachment(ball);
   }
-  box->SetRelativeTransform(FTransform(FQuat(), vector(from)));
+  const FVector at = vector(from);
   float side = 0.0F;
-  from >> side;
+  double yaw = 0.0;
+  from >> side >> yaw;
+  const double half = yaw * 3.14159265358979323846 / 360.0;
+  box->SetRelativeTransform(FTransform(FQuat(0.0, 0.0, std::sin(half), std::cos(half)), at));
   box->Body.AggGeom.BoxElems.Reset();
   if (side > 0.0F) box->Body.AggGeom.BoxElems.Add({FVector::ZeroVector, FRotator::ZeroRotator, side, side, side});
 }

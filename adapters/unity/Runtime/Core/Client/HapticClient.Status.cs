@@ -51,13 +51,13 @@ namespace Pacinian
         /// <summary>The median round trip of the last renewals [s].</summary>
         public double Latency
         {
-            get { return _trips.Median; }
+            get { return _roundTrips.Median; }
         }
 
         /// <summary>The round trips of the last renewals.</summary>
-        public Trips Trips
+        public RoundTrips RoundTrips
         {
-            get { return _trips; }
+            get { return _roundTrips; }
         }
 
         /// <summary>The server's clock minus the client's [s]; the error is at most half of the shortest round trip.</summary>

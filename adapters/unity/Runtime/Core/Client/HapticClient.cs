@@ -22,7 +22,7 @@ namespace Pacinian
         private readonly List<Thread> _stops = new List<Thread>();
         private readonly TouchTracker _touches = new TouchTracker();
         private SessionState _sessionState = SessionState.None(ClientStatus.Stopped, "");
-        private Trips _trips;
+        private RoundTrips _roundTrips;
         private double _offset;
         private bool _started, _ended, _reportedNoSession;
         private int _thread; // the thread that ticked last, or called first; 0: none
@@ -112,7 +112,7 @@ namespace Pacinian
             _worker.Wake();
             bool stood = Armed && still > Lease;
             int session = _sessionState.Session;
-            bool fresh = _shared.Inbox.TakeState(out _sessionState, out _trips, out _offset);
+            bool fresh = _shared.Inbox.TakeState(out _sessionState, out _roundTrips, out _offset);
             if (stood && _sessionState.Session == session)
             {
                 StoodStill?.Invoke(new Standstill { Seconds = still, Whole = worker > 0.75 * still });

@@ -16,7 +16,7 @@ namespace Pacinian
         private readonly List<ClientEvent> _events = new List<ClientEvent>(16);
         private SessionState _sessionState = SessionState.None(ClientStatus.Stopped, "");
         private State _read = new State(), _ready = new State();
-        private Trips _trips;
+        private RoundTrips _roundTrips;
         private double _offset;
         private bool _fresh, _any, _stale;
 
@@ -52,11 +52,11 @@ namespace Pacinian
             }
         }
 
-        public void SetServerClock(Trips trips, double offset)
+        public void SetServerClock(RoundTrips roundTrips, double offset)
         {
             lock (_lock)
             {
-                _trips = trips;
+                _roundTrips = roundTrips;
                 _offset = offset;
             }
         }
@@ -135,12 +135,12 @@ namespace Pacinian
         }
 
         /// <summary>Makes the newest state the one that the game reads. Returns false if no new one has arrived.</summary>
-        public bool TakeState(out SessionState sessionState, out Trips trips, out double offset)
+        public bool TakeState(out SessionState sessionState, out RoundTrips roundTrips, out double offset)
         {
             lock (_lock)
             {
                 sessionState = _sessionState;
-                trips = _trips;
+                roundTrips = _roundTrips;
                 offset = _offset;
                 _any &= !_stale;
                 _stale = false;

@@ -11,7 +11,6 @@ namespace Pacinian
     public sealed class ManagedTransport : ITransport
     {
         private const double LongestWait = 0.05; // [s]: a waiting thread cannot be ended
-        private const double PingInterval = 0.05; // [s]
         private const int MaxToken = 255; // [bytes] that a HELLO has room for
         private const string User = "pacinian";
 
@@ -145,7 +144,9 @@ namespace Pacinian
                 User = User,
                 Password = token,
                 MaxMessage = Protocol.MaxReplyBytes,
-                PingInterval = channel == Channel.Control ? PingInterval : 0.0, // elsewhere a ping would wait behind unread messages
+                // on other sockets, a heartbeat would wait behind unread messages
+                PingInterval = channel == Channel.Control ? 1e-3 * Protocol.HeartbeatIntervalMs : 0.0,
+                PingTimeout = 1e-3 * Protocol.HeartbeatTimeoutMs,
             };
             if (state)
             {

@@ -61,8 +61,8 @@ namespace Pacinian
                         socket.Options.SendHighWatermark = 16;
                         socket.Options.DelayAttachOnConnect = true;
                         socket.Options.ReconnectInterval = Never;
-                        socket.Options.HeartbeatInterval = TimeSpan.FromMilliseconds(i == 0 ? 50.0 : 0.0);
-                        socket.Options.HeartbeatTimeout = TimeSpan.FromMilliseconds(1500.0);
+                        socket.Options.HeartbeatInterval = TimeSpan.FromMilliseconds(i == 0 ? Wire.Protocol.HeartbeatIntervalMs : 0);
+                        socket.Options.HeartbeatTimeout = TimeSpan.FromMilliseconds(Wire.Protocol.HeartbeatTimeoutMs);
                     }
                     socket.Connect(file.AddressOf((Channel)i));
                 }

@@ -3,7 +3,7 @@ using System;
 namespace Pacinian
 {
     /// <summary>Round trips of the last renewals [s]: median, 99 % quantile and longest; 0 before the first.</summary>
-    public struct Trips
+    public struct RoundTrips
     {
         public double Median, P99, Longest;
     }
@@ -14,15 +14,15 @@ namespace Pacinian
         private const int Kept = 1000; // round trips
         private const int Marks = 64; // readings of the server's clock
 
-        private readonly SortedWindow _trips = new SortedWindow(Kept);
+        private readonly SortedWindow _roundTrips = new SortedWindow(Kept);
         private readonly double[] _durations = new double[Marks];
         private readonly double[] _offsets = new double[Marks];
         private int _markCount;
 
         /// <summary>Records the round trip of a renewal. sent, received: times of the client's clock [s].</summary>
-        public void AddTrip(double sent, double received)
+        public void AddRoundTrip(double sent, double received)
         {
-            _trips.Add(received - sent);
+            _roundTrips.Add(received - sent);
         }
 
         /// <summary>Records a reading of the server's clock, taken between these times of the client's clock [s].</summary>
@@ -49,13 +49,13 @@ namespace Pacinian
             }
         }
 
-        public Trips Trips
+        public RoundTrips RoundTrips
         {
             get
             {
-                return new Trips
+                return new RoundTrips
                 {
-                    Median = _trips.Quantile(0.5), P99 = _trips.Quantile(0.99), Longest = _trips.Quantile(1.0),
+                    Median = _roundTrips.Quantile(0.5), P99 = _roundTrips.Quantile(0.99), Longest = _roundTrips.Quantile(1.0),
                 };
             }
         }

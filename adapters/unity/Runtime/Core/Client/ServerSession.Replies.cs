@@ -100,9 +100,9 @@ namespace Pacinian
                 double sent = _unanswered.TakeRenewal(renewed.Id);
                 if (!double.IsNaN(sent))
                 {
-                    _serverClock.AddTrip(sent, now);
+                    _serverClock.AddRoundTrip(sent, now);
                     _serverClock.AddMark(sent, now, renewed.ServerTime);
-                    _shared.Inbox.SetServerClock(_serverClock.Trips, _serverClock.Offset);
+                    _shared.Inbox.SetServerClock(_serverClock.RoundTrips, _serverClock.Offset);
                 }
             }
             PublishStatus();
@@ -131,7 +131,7 @@ namespace Pacinian
             _sessionState.Scene = welcome.Scene;
             _sessionState.Server = welcome.Server;
             _serverClock.AddMark(_greetedAt, now, welcome.Time);
-            _shared.Inbox.SetServerClock(_serverClock.Trips, _serverClock.Offset);
+            _shared.Inbox.SetServerClock(_serverClock.RoundTrips, _serverClock.Offset);
             Send(new Capabilities { Session = _session, Id = _unanswered.NextId() });
         }
 

@@ -57,9 +57,9 @@ namespace Pacinian
             Set(LibZmq.ReconnectInterval, -1);
             if (heartbeat)
             {
-                Set(LibZmq.HeartbeatInterval, 50); // [ms], like all below
-                Set(LibZmq.HeartbeatTtl, 1500);
-                Set(LibZmq.HeartbeatTimeout, 1500);
+                Set(LibZmq.HeartbeatInterval, Protocol.HeartbeatIntervalMs);
+                Set(LibZmq.HeartbeatTtl, Protocol.HeartbeatTimeoutMs);
+                Set(LibZmq.HeartbeatTimeout, Protocol.HeartbeatTimeoutMs);
                 Set(LibZmq.ReceiveRoom, 0); // no limit: at a limit, libzmq 4.3 aborts the process if a heartbeat is due
             }
             const int events = LibZmq.Connected | LibZmq.Closed | LibZmq.Disconnected

@@ -11,6 +11,8 @@ namespace Pacinian.Wire
         public const int MaxControlBytes = 65536;
         public const int MaxReplyBytes = 1048576;
         public const int SessionBytes = 16;
+        public const int HeartbeatIntervalMs = 50;
+        public const int HeartbeatTimeoutMs = 1500;
         public const int MaxObjects = 256;
         public const int MaxHands = 8;
         public const int MaxZones = 16;

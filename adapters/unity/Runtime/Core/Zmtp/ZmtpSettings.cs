@@ -26,8 +26,8 @@ namespace Pacinian.Zmtp
         /// <summary>The time between two heartbeats [s]; 0: none are sent, but the peer's are answered.</summary>
         public double PingInterval;
 
-        /// <summary>The longest silence of a peer after a heartbeat [s].</summary>
-        public double PingTimeout = 1.5;
+        /// <summary>The longest silence of a peer after a heartbeat [s]. Needed if any are sent.</summary>
+        public double PingTimeout;
 
         /// <summary>The number of waiting frames beyond which messages are not accepted.</summary>
         public int SendLimit = 16;

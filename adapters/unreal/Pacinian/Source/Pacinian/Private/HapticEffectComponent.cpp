@@ -120,7 +120,7 @@ void UHapticEffectComponent::PostEditChangeProperty(FPropertyChangedEvent& Event
 
 bool UHapticEffectComponent::GetOutline(TArray<FVector>& Lines, FString& Problem) const {
   FHapticBody Body;
-  const FTransform Place = GetShapeOwner()->GetComponentTransform();
+  const FTransform Place = GetShapeTransform();
   Body.Scale = Place.GetScale3D();
   if (!Describe(Body, Problem)) return false;
   Haptic::AddOutline(Body.Object, FHapticSpace::Metres(Place), Lines);

@@ -24,14 +24,14 @@ void UHapticEffectComponent::Send(const FHapticFrame& Frame) {
     OnFinished.Broadcast();
     return;
   }
-  const USceneComponent* Owner = GetShapeOwner();
-  const bool bScaled = !Owner->GetComponentScale().Equals(Sent->Scale, 1e-4);
-  const pacinian::Rigid Before = Sent->Pose, Now = Frame.Space.Into(Owner->GetComponentTransform());
-  const uint64 Fingerprint = GetShapeFingerprint();
-  if (Session != Frame.Session || bReshaped || bScaled || Fingerprint != Sent->Fingerprint) {
+  const FTransform Place = GetShapeTransform();
+  const bool bScaled = !Place.GetScale3D().Equals(Sent->Scale, 1e-4);
+  const pacinian::Rigid Before = Sent->Pose, Now = Frame.Space.Into(Place);
+  TArray<uint64> Values = GetShapeValues();
+  if (Session != Frame.Session || bReshaped || bScaled || Values != Sent->Values) {
     Sent->Pose = Now;
-    Sent->Scale = Owner->GetComponentScale();
-    Sent->Fingerprint = Fingerprint;
+    Sent->Scale = Place.GetScale3D();
+    Sent->Values = MoveTemp(Values);
     bReshaped = bEnveloped = bMoving = false;
     bShown = Put(Frame);
     Session = Frame.Session;

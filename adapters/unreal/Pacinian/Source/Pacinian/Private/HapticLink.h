@@ -40,7 +40,7 @@ struct FHapticBody {
   pacinian::wire::Object Object;
   pacinian::Rigid Pose;
   FVector Scale = FVector::OneVector;
-  uint64 Fingerprint = 0;  ///< of its shape
+  TArray<uint64> Values;  ///< on which its shape depends, except for its scale
 };
 
 namespace Haptic {

@@ -20,6 +20,13 @@ const USceneComponent* UHapticSurfaceComponent::GetShapeOwner() const {
   return Found ? Found : this;
 }
 
+FTransform UHapticSurfaceComponent::GetShapeTransform() const {
+  FTransform Made = Super::GetShapeTransform();
+  const FQuat HalfTurn(1.0, 0.0, 0.0, 0.0);  // about X
+  if (Shape != EHapticSurface::Mesh && Made.GetScale3D().Z < 0.0) Made.SetRotation(Made.GetRotation() * HalfTurn);
+  return Made;
+}
+
 bool UHapticSurfaceComponent::Describe(FHapticBody& Body, FString& Problem) const {
   wire::Surface Surface;
   Surface.thickness = Metres(Thickness);

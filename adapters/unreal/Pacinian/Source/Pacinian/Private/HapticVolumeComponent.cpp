@@ -15,9 +15,9 @@ const USceneComponent* UHapticVolumeComponent::GetShapeOwner() const {
   return Found ? Found : this;
 }
 
-uint64 UHapticVolumeComponent::GetShapeFingerprint() const {
-  if (Shape == EHapticVolume::Colliders) return Haptic::Fingerprint(Haptic::ColliderNear(*this));
-  return reinterpret_cast<uint64>(GetMesh());
+TArray<uint64> UHapticVolumeComponent::GetShapeValues() const {
+  if (Shape == EHapticVolume::Colliders) return Haptic::ValuesOf(Haptic::ColliderNear(*this));
+  return {reinterpret_cast<uint64>(GetMesh())};
 }
 
 const UStaticMesh* UHapticVolumeComponent::GetMesh() const {

@@ -72,19 +72,17 @@ void Append(const UPrimitiveComponent& Component, const pacinian::Rigid& Frame, 
   }
 }
 
-void Mix(uint64& Sum, double Value) {
-  uint64 Bits;
-  std::memcpy(&Bits, &Value, sizeof Bits);
-  Sum = (Sum ^ Bits) * 1099511628211ull + (Sum >> 57);
+void AddBits(TArray<uint64>& Values, std::initializer_list<double> Given) {
+  for (const double Each : Given) {
+    uint64 Bits;
+    std::memcpy(&Bits, &Each, sizeof Bits);
+    Values.Add(Bits);
+  }
 }
 
-void Mix(uint64& Sum, const FVector& Value) {
-  for (const double Each : {Value.X, Value.Y, Value.Z}) Mix(Sum, Each);
-}
+void AddBits(TArray<uint64>& Values, const FVector& Given) { AddBits(Values, {Given.X, Given.Y, Given.Z}); }
 
-void Mix(uint64& Sum, const FRotator& Value) {
-  for (const double Each : {Value.Pitch, Value.Yaw, Value.Roll}) Mix(Sum, Each);
-}
+void AddBits(TArray<uint64>& Values, const FRotator& Given) { AddBits(Values, {Given.Pitch, Given.Yaw, Given.Roll}); }
 
 }  // namespace
 
@@ -120,24 +118,27 @@ bool ToWire(const UPrimitiveComponent* Collider, wire::Solid& Made, FString& Pro
   return true;
 }
 
-uint64 Fingerprint(const UPrimitiveComponent* Collider) {
+TArray<uint64> ValuesOf(const UPrimitiveComponent* Collider) {
   TArray<const UPrimitiveComponent*> Found;
   if (Collider) Gather(*Collider, Found);
-  uint64 Sum = Found.Num();
+  TArray<uint64> Values;
   for (const UPrimitiveComponent* Each : Found) {
     const FKAggregateGeom& All = const_cast<UPrimitiveComponent*>(Each)->GetBodySetup()->AggGeom;
-    for (const FKSphereElem& Elem : All.SphereElems) Mix(Sum, Elem.Center), Mix(Sum, Elem.Radius);
+    Values.Add(reinterpret_cast<uint64>(Each));
+    for (const int32 Count : {All.SphereElems.Num(), All.BoxElems.Num(), All.SphylElems.Num()}) Values.Add(Count);
+    for (const FKSphereElem& Elem : All.SphereElems) AddBits(Values, Elem.Center), AddBits(Values, {Elem.Radius});
     for (const FKBoxElem& Elem : All.BoxElems)
-      Mix(Sum, Elem.Center), Mix(Sum, Elem.Rotation), Mix(Sum, FVector(Elem.X, Elem.Y, Elem.Z));
+      AddBits(Values, Elem.Center), AddBits(Values, Elem.Rotation), AddBits(Values, {Elem.X, Elem.Y, Elem.Z});
     for (const FKSphylElem& Elem : All.SphylElems)
-      Mix(Sum, Elem.Center), Mix(Sum, Elem.Rotation), Mix(Sum, FVector(Elem.Radius, Elem.Length, 0.0));
-    for (const USceneComponent* At = Each; At && At != Collider; At = At->GetAttachParent()) {
-      const FTransform Inside = At->GetRelativeTransform();
-      const FQuat Turn = Inside.GetRotation();
-      Mix(Sum, Inside.GetLocation()), Mix(Sum, FVector(Turn.X, Turn.Y, Turn.Z)), Mix(Sum, Inside.GetScale3D());
-    }
+      AddBits(Values, Elem.Center), AddBits(Values, Elem.Rotation), AddBits(Values, {Elem.Radius, Elem.Length});
+    FTransform Inside;
+    for (const USceneComponent* At = Each; At && At != Collider; At = At->GetAttachParent())
+      Inside = Inside * At->GetRelativeTransform();
+    const FQuat Turn = Inside.GetRotation();
+    AddBits(Values, Inside.GetLocation()), AddBits(Values, {Turn.X, Turn.Y, Turn.Z, Turn.W});
+    AddBits(Values, Inside.GetScale3D());
   }
-  return Sum;
+  return Values;
 }
 
 }  // namespace Haptic

@@ -23,7 +23,7 @@ bool ToWire(const UStaticMesh* Mesh, const FVector& Scale, pacinian::wire::Mesh&
  * below it, in its frame. Skips those of another haptic volume. Returns false and the problem on failure. */
 bool ToWire(const UPrimitiveComponent* Collider, pacinian::wire::Solid& Made, FString& Problem);
 
-/** Returns a number that changes if one of these colliders changes, but not if the whole moves. */
-uint64 Fingerprint(const UPrimitiveComponent* Collider);
+/** Returns all values of these colliders, as GetShapeValues does. They do not change if the whole moves. */
+TArray<uint64> ValuesOf(const UPrimitiveComponent* Collider);
 
 }  // namespace Haptic

@@ -149,11 +149,14 @@ class PACINIAN_API UHapticEffectComponent : public USceneComponent {
   /** Writes the shape as the wire's object. Returns false and the problem if there is none. */
   virtual bool Describe(FHapticBody&, FString&) const PURE_VIRTUAL(UHapticEffectComponent::Describe, return false;);
 
-  /** Returns a number that changes when the shape changes, except for its scale. */
-  virtual uint64 GetShapeFingerprint() const { return 0; }
+  /** Returns all values on which the shape depends, except for its scale: the bits of numbers, and objects' addresses. */
+  virtual TArray<uint64> GetShapeValues() const { return {}; }
 
   /** Returns the component that the shape belongs to and moves with. */
   virtual const USceneComponent* GetShapeOwner() const { return this; }
+
+  /** Returns the shape's transform in the level. */
+  virtual FTransform GetShapeTransform() const { return GetShapeOwner()->GetComponentTransform(); }
 
  private:
   bool Put(const FHapticFrame& Frame);

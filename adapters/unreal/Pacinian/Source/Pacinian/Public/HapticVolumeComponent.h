@@ -50,7 +50,7 @@ class PACINIAN_API UHapticVolumeComponent : public UHapticEffectComponent {
  protected:
   virtual bool Describe(FHapticBody& Body, FString& Problem) const override;
   virtual const USceneComponent* GetShapeOwner() const override;
-  virtual uint64 GetShapeFingerprint() const override;
+  virtual TArray<uint64> GetShapeValues() const override;
 
  private:
   const UStaticMesh* GetMesh() const;

@@ -162,8 +162,8 @@ const std::string& Client::problem() const { return in_->view.problem; }
 bool Client::armed() const { return in_->view.armed; }
 bool Client::owner() const { return in_->view.owner; }
 double Client::lease() const { return in_->view.lease; }
-double Client::latency() const { return in_->view.trips.median; }
-Trips Client::trips() const { return in_->view.trips; }
+double Client::latency() const { return in_->view.round_trips.median; }
+RoundTrips Client::round_trips() const { return in_->view.round_trips; }
 double Client::offset() const { return in_->view.offset; }
 double Client::now() const { return in_->options.clock(); }
 double Client::age(const wire::State& state) const { return now() + offset() - state.time; }

@@ -30,7 +30,10 @@ constexpr Option options_of_all[] = {
 constexpr Option options_of_dealers[] = {{ZMQ_IMMEDIATE, 1}, {ZMQ_RECONNECT_IVL, -1}};
 // No receive limit: at a limit, libzmq 4.3 aborts the process if a heartbeat is due.
 constexpr Option options_of_heartbeats[] = {
-    {ZMQ_HEARTBEAT_IVL, 50}, {ZMQ_HEARTBEAT_TTL, 1500}, {ZMQ_HEARTBEAT_TIMEOUT, 1500}, {ZMQ_RCVHWM, 0},
+    {ZMQ_HEARTBEAT_IVL, wire::HEARTBEAT_INTERVAL_MS},
+    {ZMQ_HEARTBEAT_TTL, wire::HEARTBEAT_TIMEOUT_MS},
+    {ZMQ_HEARTBEAT_TIMEOUT, wire::HEARTBEAT_TIMEOUT_MS},
+    {ZMQ_RCVHWM, 0},
 };
 
 template <std::size_t N>

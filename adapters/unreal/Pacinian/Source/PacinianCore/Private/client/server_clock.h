@@ -11,13 +11,13 @@ namespace pacinian::client {
 class ServerClock {
  public:
   /// Records the round trip of a renewal. sent, received: of the client's clock.
-  void add_trip(double sent, double received);
+  void add_round_trip(double sent, double received);
 
   /// Records a reading of the server's clock, taken between these times of the client's clock.
   void add_mark(double sent, double received, double server);
 
   /// Returns the round trips of the last renewals.
-  const Trips& trips() const { return summary_; }
+  const RoundTrips& round_trips() const { return summary_; }
 
   /// Returns the server's clock minus the client's, from the shortest recent round trip: the error is at most half of
   /// it.
@@ -28,11 +28,11 @@ class ServerClock {
 
  private:
   struct Mark {
-    double trip, offset;
+    double round_trip, offset;
   };
-  std::array<double, 1000> trips_{}, ordered_{};
+  std::array<double, 1000> round_trips_{}, ordered_{};
   std::array<Mark, 64> marks_{};
-  Trips summary_;
+  RoundTrips summary_;
   std::size_t answers_ = 0, looks_ = 0;
 };
 

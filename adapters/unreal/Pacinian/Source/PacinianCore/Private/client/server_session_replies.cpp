@@ -162,7 +162,7 @@ void ServerSession::handle_renewal(const wire::Renewed& reply, double now) {
   owner = reply.owner;
   const Sent& sent = sent_[static_cast<std::size_t>(reply.id) % sent_.size()];
   if (reply.id == 0 || sent.id != reply.id) return;
-  server_clock.add_trip(sent.at, now);
+  server_clock.add_round_trip(sent.at, now);
   server_clock.add_mark(sent.at, now, reply.server_time);
 }
 

@@ -14,7 +14,6 @@ namespace pacinian::client {
 namespace {
 
 constexpr char user[] = "pacinian";
-constexpr double ping_interval = 0.05;  // [s]
 
 zmtp::Settings make_settings(Channel channel, const std::string& token) {
   zmtp::Settings made;
@@ -24,7 +23,8 @@ zmtp::Settings make_settings(Channel channel, const std::string& token) {
   made.topic = wire::State::tag;
   made.max_message = static_cast<std::size_t>(wire::MAX_REPLY_BYTES);
   // On other sockets, heartbeats would wait behind unread messages.
-  if (channel == Channel::control) made.ping_interval = ping_interval;
+  if (channel == Channel::control) made.ping_interval = 1e-3 * wire::HEARTBEAT_INTERVAL_MS;
+  made.ping_timeout = 1e-3 * wire::HEARTBEAT_TIMEOUT_MS;
   return made;
 }
 

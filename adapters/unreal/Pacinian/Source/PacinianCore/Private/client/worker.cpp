@@ -113,7 +113,7 @@ void Worker::publish_status() {
   status_.problem = backoff_.problem();
   status_.armed = session_.armed && session_.owner;
   status_.owner = session_.owner;
-  status_.trips = session_.server_clock.trips();
+  status_.round_trips = session_.server_clock.round_trips();
   status_.offset = session_.server_clock.offset();
   status_.abilities = session_.abilities;
   status_.lease = session_.welcome.lease;

@@ -27,7 +27,7 @@ struct SessionStatus {
   Status status = Status::stopped;
   bool armed = false, owner = false;
   double lease = 0.0, offset = 0.0;  ///< [s]
-  Trips trips;
+  RoundTrips round_trips;
   std::string problem, scene, server;
   std::shared_ptr<const wire::Abilities> abilities;
 };

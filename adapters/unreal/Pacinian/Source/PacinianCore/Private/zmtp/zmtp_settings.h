@@ -27,7 +27,7 @@ struct Settings {
   double connect_timeout = 2.0;       ///< [s] for TCP to connect
   double handshake_timeout = 2.0;     ///< [s] for the handshake after that
   double ping_interval = 0.0;         ///< [s] between two heartbeats; 0: none are sent, but the peer's are answered
-  double ping_timeout = 1.5;          ///< [s] longest silence of a peer after a heartbeat
+  double ping_timeout = 0.0;          ///< [s] longest silence of a peer after a heartbeat; needed if any are sent
   std::size_t max_frames = 16;        ///< waiting frames beyond which messages are not accepted
 
   /// Returns whether a message that begins with this part is wanted.

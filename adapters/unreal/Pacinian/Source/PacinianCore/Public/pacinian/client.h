@@ -52,7 +52,7 @@ class Client {
   PACINIANCORE_API bool owner() const;                  ///< whether this client owns the output
   PACINIANCORE_API double lease() const;                ///< time from the last tick to silence [s]
   PACINIANCORE_API double latency() const;              ///< median round trip of the last renewals [s]
-  PACINIANCORE_API Trips trips() const;
+  PACINIANCORE_API RoundTrips round_trips() const;
   PACINIANCORE_API double offset() const;               ///< the server's clock minus the client's [s]
   PACINIANCORE_API const std::string& scene() const;    ///< name of the scene
   PACINIANCORE_API const std::string& server() const;   ///< the server's description of itself

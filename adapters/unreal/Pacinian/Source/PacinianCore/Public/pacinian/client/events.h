@@ -30,7 +30,7 @@ struct Refusal {
 };
 
 /// Round trips of the last renewals [s]; 0 before the first.
-struct Trips {
+struct RoundTrips {
   double median = 0.0, p99 = 0.0, longest = 0.0;
 };
 
