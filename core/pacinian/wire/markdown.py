@@ -76,9 +76,13 @@ def _parts() -> dict[str, str]:
         "envelopes": sections(list_classes(modulation.Envelope)),
         "techniques": sections(list_classes(modulation.Technique)),
     }
-    limits = {
-        name: f"{getattr(protocol, name):,}" for name in ("MAX_COMMAND_BYTES", "MAX_CONTROL_BYTES")
-    }
+    numbers = (
+        "MAX_COMMAND_BYTES",
+        "MAX_CONTROL_BYTES",
+        "HEARTBEAT_INTERVAL_MS",
+        "HEARTBEAT_TIMEOUT_MS",
+    )
+    limits = {name: f"{getattr(protocol, name):,}" for name in numbers}
     groups = {
         f"group {name}": ", ".join(map(link_class, list_classes(group)))
         for name, group in GROUPS.items()
