@@ -13,6 +13,7 @@ stop.py               `pacinian stop`: emergency stop
 render.py             `pacinian render`: renders a scene file, without a server; `--record`
 replay.py             `pacinian replay`: plays a recording of `render` again
 finite_range.py       options that are finite numbers in a range
+nonempty.py           options and arguments that must not be empty
 run_output.py         progress bar and summary of `demo` and `render`, late ticks; saves the picture, which plot/ draws
 keys.py               `pacinian keys`: CURVE keys for connections from other machines
 status.py             `pacinian status`: one state of the server
@@ -28,6 +29,7 @@ schema.py             `pacinian schema`: JSON Schema of scene files
 wire.py               `pacinian wire`: documents of the protocol
 connection_option.py  the option `--connection`
 console.py            colours and width of a terminal, NO_COLOR
+interrupts.py         Ctrl-C and SIGTERM, not lost in imports
 standard_input.py     end of standard input: the parent has ended
 templates/            files of a new plug-in
 """

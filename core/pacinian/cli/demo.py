@@ -7,6 +7,7 @@ from typing import Any
 import click
 
 from pacinian.cli.finite_range import FiniteRange
+from pacinian.cli.nonempty import TEXT
 from pacinian.cli.run_output import check_picture_path
 
 
@@ -28,7 +29,9 @@ from pacinian.cli.run_output import check_picture_path
     show_default=True,
     help="Ticks per second.",
 )
-@click.option("--solver", default="auto", show_default=True, help="See `pacinian plugins`.")
+@click.option(
+    "--solver", type=TEXT, default="auto", show_default=True, help="See `pacinian plugins`."
+)
 @click.option(
     "--out",
     default="demo.png",

@@ -14,6 +14,7 @@ import click
 
 from pacinian.cli.doctor_rules import Finding, list_first
 from pacinian.cli.finite_range import FiniteRange
+from pacinian.cli.nonempty import NonEmptyPath
 
 if TYPE_CHECKING:
     from pacinian.devices.calibration import Measured
@@ -41,10 +42,10 @@ MAX_RATIO = 10.0  # of the measured P0 and the described one; beyond, the unit i
 
 
 @click.command()
-@click.argument("file", type=click.Path(path_type=Path))
-@click.argument("scans", type=click.Path(path_type=Path), nargs=-1, required=True)
+@click.argument("file", type=NonEmptyPath(path_type=Path))
+@click.argument("scans", type=NonEmptyPath(path_type=Path), nargs=-1, required=True)
 @click.option(
-    "--out", default=Path("calibration.csv"), show_default=True, type=click.Path(path_type=Path)
+    "--out", default=Path("calibration.csv"), show_default=True, type=NonEmptyPath(path_type=Path)
 )
 @click.option(
     "--temperature",

@@ -12,6 +12,7 @@ import click
 
 from pacinian.cli.device_calibrate import calibrate
 from pacinian.cli.doctor_rules import RIGHTS
+from pacinian.cli.nonempty import TEXT, NonEmptyPath
 from pacinian.cli.run_output import check_picture_path
 from pacinian.errors import replace_unprintable
 
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from pacinian.devices.description import DeviceDescription
     from pacinian.plugins.backend import FoundDevice
 
-FILE = click.argument("file", type=click.Path(path_type=Path))
+FILE = click.argument("file", type=NonEmptyPath(path_type=Path))
 JSON = click.option("--json", "as_json", is_flag=True, help="One JSON object instead of text.")
 ADVICE = {
     "linux": f"Rights: {RIGHTS}.",
@@ -31,10 +32,12 @@ ADVICE = {
 
 
 @click.group(invoke_without_command=True)
-@click.option("--backend", default="", help="Ask only this backend, and import no other.")
+@click.option(
+    "--backend", type=TEXT, default=None, help="Ask only this backend, and import no other."
+)
 @JSON
 @click.pass_context
-def devices(context: click.Context, backend: str, as_json: bool) -> None:
+def devices(context: click.Context, backend: str | None, as_json: bool) -> None:
     """List, check, draw or calibrate devices.
 
     Without a subcommand, lists the connected devices. The subcommands work on the description of a device. Opens no
@@ -46,7 +49,7 @@ def devices(context: click.Context, backend: str, as_json: bool) -> None:
     from pacinian.plugins.device_discovery import list_connected
     from pacinian.plugins.registry import discover_plugins
 
-    found = list_connected(discover_plugins(), backend)
+    found = list_connected(discover_plugins(), backend or "")
     if as_json:
         click.echo(json.dumps({"devices": [asdict(f) for f in found]}))
     else:
@@ -123,7 +126,9 @@ def _check_online(device: DeviceDescription) -> list[Finding]:
 
 @devices.command()
 @FILE
-@click.option("--out", default="device.png", show_default=True, callback=check_picture_path)
+@click.option(
+    "--out", type=TEXT, default="device.png", show_default=True, callback=check_picture_path
+)
 def draw(file: Path, out: str) -> None:
     """Draw a device description: the poses of the boards, the order of their channels, and dead channels."""
     from pacinian.devices.description import DeviceDescription

@@ -122,7 +122,7 @@ def plugins() -> Finding:
     thread = threading.Thread(target=found.load, name="plug-ins", daemon=True)
     thread.start()
     thread.join(MAX_IMPORT_TIME)
-    failed = [str(e) for e in (*found.failed.values(), *found.clashes.values())]
+    failed = [str(error) for error in found.problems.values()]
     if thread.is_alive():
         late = f"has not been imported in {MAX_IMPORT_TIME:g} s"
         failed.append(f"plug-in {found.importing!r} {late}")

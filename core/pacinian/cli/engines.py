@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pacinian.cli.engine_package import Package, PackageError, find_package, install
+from pacinian.cli.nonempty import NonEmptyPath
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -24,7 +25,7 @@ MIN_UNITY = (2021, 3)
 MIN_UNREAL = (5, 5)
 MAX_DEPTH = 2  # levels of folders below the given one in which a project is looked for
 
-PROJECT = click.argument("path", type=click.Path(path_type=Path))
+PROJECT = click.argument("path", type=NonEmptyPath(path_type=Path))
 REPLACE = click.option(
     "--replace",
     is_flag=True,

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import click
 
+from pacinian.cli.nonempty import TEXT, NonEmptyPath
+
 FOLDER = click.option(
-    "--folder", required=True, type=click.Path(file_okay=False), help="Folder of the keys."
+    "--folder", required=True, type=NonEmptyPath(file_okay=False), help="Folder of the keys."
 )
 
 
@@ -26,11 +28,13 @@ def server(folder: str) -> None:
 
 
 @keys.command()
-@click.argument("name")
+@click.argument("name", type=TEXT)
 @FOLDER
-@click.option("--host", default="", help="Address of the server; also writes a connection file.")
+@click.option(
+    "--host", type=TEXT, default=None, help="Address of the server; also writes a connection file."
+)
 @click.option("--ports", nargs=3, type=click.IntRange(1, 65535), help="CONTROL COMMAND STATE.")
-def client(name: str, folder: str, host: str, ports: tuple[int, int, int] | None) -> None:
+def client(name: str, folder: str, host: str | None, ports: tuple[int, int, int] | None) -> None:
     """Make a client's key pair and admit the client.
 
     With --host and --ports, also write a connection file with everything that the client needs. Copy it to the client

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import io
-import signal
 import sys
 from typing import TYPE_CHECKING, NoReturn
 
@@ -14,6 +13,7 @@ from pacinian.cli.demo import demo
 from pacinian.cli.devices import devices
 from pacinian.cli.doctor import doctor
 from pacinian.cli.engines import unity, unreal
+from pacinian.cli.interrupts import catch_signals, interrupt
 from pacinian.cli.keys import keys
 from pacinian.cli.new import new
 from pacinian.cli.plugins import plugins
@@ -26,11 +26,9 @@ from pacinian.cli.stop import stop
 from pacinian.cli.view import view
 from pacinian.cli.watch import watch
 from pacinian.cli.wire import wire
-from pacinian.errors import PacinianError
+from pacinian.errors import PacinianError, replace_unprintable
 
 if TYPE_CHECKING:
-    from types import FrameType
-
     from pacinian.plugins.hookspecs import CommandGroup
 
 EPILOG = """
@@ -116,10 +114,13 @@ for several in COMMANDS.values():
 def main() -> NoReturn:
     """Run the command line."""
     try:
-        _catch_signals()
+        catch_signals()
         if isinstance(sys.stdout, io.TextIOWrapper):  # which may lack characters of a name
             sys.stdout.reconfigure(errors="replace")
-        cli(standalone_mode=False)
+        try:
+            cli(standalone_mode=False)
+        finally:
+            interrupt.raise_deferred()
     except click.ClickException as error:
         error.show()
         sys.exit(error.exit_code)
@@ -127,7 +128,8 @@ def main() -> NoReturn:
         click.echo("interrupted", err=True)
         sys.exit(130)
     except PacinianError as error:
-        click.echo(f"error: {error}", err=True)
+        lines = f"error: {error}".splitlines()  # with names that files and servers have chosen
+        click.echo("\n".join(map(replace_unprintable, lines)), err=True)
         sys.exit(2)
     except OSError as error:  # such as a full disk or a closed pipe
         _quietly(f"error: {error}")
@@ -139,16 +141,3 @@ def _quietly(message: str) -> None:
     with contextlib.suppress(OSError):
         click.echo(message, err=True)
     sys.stdout = None  # otherwise the interpreter would try to flush it again
-
-
-def _catch_signals() -> None:
-    """Handle SIGTERM and the end of the terminal like Ctrl-C, so that the run ends in silence."""
-    signal.signal(signal.SIGTERM, _interrupt)
-    if sys.platform == "win32":  # sent when the console is closed
-        signal.signal(signal.SIGBREAK, _interrupt)
-    elif signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:  # which nohup sets
-        signal.signal(signal.SIGHUP, _interrupt)
-
-
-def _interrupt(number: int, frame: FrameType | None) -> None:
-    raise KeyboardInterrupt

@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
+from pacinian.cli.nonempty import NonEmptyPath
+
 if TYPE_CHECKING:
     from importlib.resources.abc import Traversable
 
@@ -40,7 +42,7 @@ MODEL = {"tests/device.py": "backend/device.py.txt"}
 FOLDER = click.option(
     "--folder",
     default=Path(),
-    type=click.Path(path_type=Path, file_okay=False, exists=True),
+    type=NonEmptyPath(path_type=Path, file_okay=False, exists=True),
     help="Folder in which to make it; the current one by default.",
 )
 

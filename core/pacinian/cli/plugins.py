@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 def plugins(as_json: bool) -> None:
     """List solvers, backends and commands.
 
-    Also prints their settings and origin. Names plug-ins that do not load, or whose name is taken, with the reason. The
-    exit code is then 1.
+    Also prints their settings and origin. Names plug-ins that do not load, and those with a name that is taken, with
+    the reason. The exit code is then 1.
     """
     from pacinian.errors import PluginError
     from pacinian.plugins.registry import discover_plugins
@@ -34,7 +34,7 @@ def plugins(as_json: bool) -> None:
         for name, offer in found.commands.items()
         if name in own
     }
-    broken = {**found.failed, **found.clashes, **hidden}
+    broken = {**found.problems, **hidden}
     offers = [found.offers[key] for key in sorted(found.offers) if key[1] not in found.clashes]
     commands = [
         {

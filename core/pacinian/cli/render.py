@@ -9,10 +9,13 @@ from typing import Any
 import click
 
 from pacinian.cli.finite_range import FiniteRange
+from pacinian.cli.nonempty import PATH, TEXT, NonEmptyPath
 from pacinian.cli.run_output import check_picture_path
 
 
-def _check_record_path(context: click.Context, parameter: click.Parameter, path: str) -> str:
+def _check_record_path(
+    context: click.Context, parameter: click.Parameter, path: str | None
+) -> str | None:
     """Refuse a pipe or a socket, because its reader could stop the loop during a tick. Raises BadParameter."""
     try:
         mode = Path(path).stat().st_mode if path else 0
@@ -25,7 +28,7 @@ def _check_record_path(context: click.Context, parameter: click.Parameter, path:
 
 
 @click.command()
-@click.argument("scene", type=click.Path(path_type=Path))
+@click.argument("scene", type=NonEmptyPath(path_type=Path))
 @click.option(
     "--seconds",
     type=FiniteRange(0.0, 1e9),
@@ -33,11 +36,12 @@ def _check_record_path(context: click.Context, parameter: click.Parameter, path:
     show_default=True,
     help="Duration; 0 to run until Ctrl-C.",
 )
-@click.option("--solver", default=None, help="Override the file's solver.")
-@click.option("--backend", default=None, help="Override the file's backend.")
+@click.option("--solver", type=TEXT, default=None, help="Override the file's solver.")
+@click.option("--backend", type=TEXT, default=None, help="Override the file's backend.")
 @click.option(
     "--record",
-    default="",
+    type=PATH,
+    default=None,
     callback=_check_record_path,
     help="Record every tick to this file: scene, decisions, frame.",
 )
@@ -48,7 +52,8 @@ def _check_record_path(context: click.Context, parameter: click.Parameter, path:
 )
 @click.option(
     "--out",
-    default="",
+    type=PATH,
+    default=None,
     callback=check_picture_path,
     help="Draw the field of the last tick to this PNG.",
 )
@@ -58,9 +63,9 @@ def render(
     seconds: float,
     solver: str | None,
     backend: str | None,
-    record: str,
+    record: str | None,
     strict: bool,
-    out: str,
+    out: str | None,
     as_json: bool,
 ) -> None:
     """Render a scene file on an array.
@@ -99,7 +104,7 @@ def render(
     extra: dict[str, Any] = {
         "seconds": seconds,
         "scene": str(scene),
-        "record": record,
+        "record": record or "",
         "strict": strict,
     }
     with (
@@ -110,7 +115,7 @@ def render(
         meter = ProcessorMeter()
         renderer.run(seconds or None, on_tick)
         others = meter.measure_others()
-    extra["picture"] = picture(renderer, out, scene.name, quiet=as_json)
+    extra["picture"] = picture(renderer, out or "", scene.name, quiet=as_json)
     remedy = "give the scene file a lower `rate`, a smaller `array` or fewer objects"
     print_summary(summary(renderer, extra, others), as_json, remedy)
     if out and not extra["picture"]:

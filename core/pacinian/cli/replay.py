@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from pacinian.cli.nonempty import PATH, TEXT
+
 if TYPE_CHECKING:
     from pacinian.rendering.recording import Recording
 
@@ -15,8 +17,10 @@ CUT_SHORT = "the recording is cut short: it ends within a tick, so later ticks a
 
 
 @click.command()
-@click.argument("recording")
-@click.option("--backend", default=None, help="Backend to play on.  [default: simulated]")
+@click.argument("recording", type=PATH)
+@click.option(
+    "--backend", type=TEXT, default=None, help="Backend to play on.  [default: simulated]"
+)
 @click.option(
     "--again", is_flag=True, help="Instead, render the scenes again and compare the frames."
 )

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from pacinian.errors import PacinianError, PluginError, describe_error
+from pacinian.errors import PacinianError, PluginError, describe_error, replace_unprintable
 from pacinian.skip_reasons import MISSED_TICKS, split_skips
 
 if TYPE_CHECKING:
@@ -77,7 +77,7 @@ def progress(
     """Return a progress bar on standard error, which the loop's own thread draws between ticks; none if `quiet`."""
     from pacinian.notebook import progress as bar
 
-    return nullcontext() if quiet else bar(what, seconds)
+    return nullcontext() if quiet else bar(replace_unprintable(what), seconds)
 
 
 def picture(renderer: Renderer, path: str, title: str, *, quiet: bool) -> str:
@@ -108,17 +108,22 @@ def picture(renderer: Renderer, path: str, title: str, *, quiet: bool) -> str:
     return path
 
 
-def check_picture_path(context: click.Context, parameter: click.Parameter, path: str) -> str:
-    """Check that a picture can be written to `path`, before anything runs. Raises BadParameter."""
+def check_picture_path(
+    context: click.Context, parameter: click.Parameter, path: str | None
+) -> str | None:
+    """Check that a picture can be written to `path`, if one is given, before anything runs. Raises BadParameter."""
     if path and Path(path).suffix.lower() not in (".png", ".pdf", ".svg"):
         raise click.BadParameter(f"{path!r} must end in .png, .pdf or .svg")
     try:
         if path:
             Path(path).parent.mkdir(parents=True, exist_ok=True)
-            if Path(path).exists():
-                Path(path).open("ab").close()
-            else:
-                TemporaryFile(dir=Path(path).parent).close()
+            target = Path(path).resolve()
+            if target.exists():
+                target.open("ab").close()
+            if (
+                target.is_file() or not target.exists()
+            ):  # written beside it first: see `replace_file`
+                TemporaryFile(dir=target.parent).close()
     except (OSError, ValueError) as error:
         problem = getattr(error, "strerror", None) or error
         raise click.BadParameter(f"{path!r} cannot be written: {problem}") from error
@@ -273,7 +278,8 @@ def _print_table(figures: dict[str, Any], remedy: str) -> None:
     for i, fault in enumerate(figures["faults"][:5]):
         rows[f"fault {i + 1} of {figures['fault_count']}"] = fault
     for name, value in rows.items():
-        table.add_row(Text(name), Text(value, style="red" if name.startswith("fault") else ""))
+        label, shown = replace_unprintable(name), replace_unprintable(value)  # files name objects
+        table.add_row(Text(label), Text(shown, style="red" if name.startswith("fault") else ""))
     console = make_console()
     console.print(table)
     if pace := judge_pace(figures, remedy):

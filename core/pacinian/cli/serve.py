@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from pacinian.cli.nonempty import PATH, TEXT, NonEmptyPath
+
 if TYPE_CHECKING:
     from collections.abc import Generator
 
@@ -23,17 +25,20 @@ VIEWER_LIBRARIES = "starlette", "uvicorn", "websockets"
 
 
 @click.command()
-@click.argument("config", type=click.Path(path_type=Path), required=False)
-@click.option("--solver", default=None, help="Override the file's solver.")
-@click.option("--backend", default=None, help="Override the file's backend.")
+@click.argument("config", type=NonEmptyPath(path_type=Path), required=False)
+@click.option("--solver", type=TEXT, default=None, help="Override the file's solver.")
+@click.option("--backend", type=TEXT, default=None, help="Override the file's backend.")
 @click.option(
-    "--host", default=None, help="IP address to listen on; any but loopback needs --keys."
+    "--host",
+    type=TEXT,
+    default=None,
+    help="IP address to listen on; any but loopback needs --keys.",
 )
 @click.option("--control", type=PORT_TYPE, default=None, help="Port; 0 for any free port.")
 @click.option("--command", type=PORT_TYPE, default=None, help="Port; 0 for any free port.")
 @click.option("--state", type=PORT_TYPE, default=None, help="Port; 0 for any free port.")
-@click.option("--keys", default=None, help="Folder of keys: see `pacinian keys`.")
-@click.option("--connection", default=None, help="Connection file to write for clients.")
+@click.option("--keys", type=PATH, default=None, help="Folder of keys: see `pacinian keys`.")
+@click.option("--connection", type=PATH, default=None, help="Connection file to write for clients.")
 @click.option("--metrics", type=PORT_TYPE, default=None, help="Port for Prometheus, on 127.0.0.1.")
 @click.option(
     "--log-format", type=click.Choice(["console", "json"]), default=None, help="Of standard error."

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pacinian.cli.connection_option import CONNECTION
+from pacinian.cli.nonempty import TEXT, NonEmptyPath
 from pacinian.cli.standard_input import call_at_end_of_input
 
 if TYPE_CHECKING:
@@ -16,10 +17,12 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.argument("recording", metavar="[FILE]", type=click.Path(path_type=Path), required=False)
+@click.argument("recording", metavar="[FILE]", type=NonEmptyPath(path_type=Path), required=False)
 @CONNECTION
 @click.option("--port", type=click.IntRange(0, 65535), default=0, help="0 for any free port.")
-@click.option("--host", default="127.0.0.1", show_default=True, help="An address of this machine.")
+@click.option(
+    "--host", type=TEXT, default="127.0.0.1", show_default=True, help="An address of this machine."
+)
 @click.option("--no-browser", is_flag=True, help="Only print the address.")
 @click.option(
     "--samples",

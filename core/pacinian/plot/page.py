@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pacinian.argument_checks import check_integer, check_number
+from pacinian.atomic_file import replace_file
 from pacinian.errors import ArgumentError, MissingExtra
 from pacinian.plot.style import COLUMN
 
@@ -83,8 +84,9 @@ def panels(
 def save(page: Figure, path: str | Path, colours: int | None = None) -> None:
     """Write a figure to a file; the extension selects the format: .pdf, .svg, .png, ...
 
-    Text in vector files stays text. colours: of a PNG, 2 to 256; a small number makes the file a third as large,
-    but show steps in a field. Raises ArgumentError, MissingExtra, OSError.
+    If it cannot be written, an earlier file stays as it was. Text in vector files stays text. colours: of a PNG, 2 to
+    256; a small number makes the file a third as large, but shows steps in a field. Raises ArgumentError, MissingExtra,
+    OSError.
     """
     require()
     from matplotlib import rc_context
@@ -93,8 +95,8 @@ def save(page: Figure, path: str | Path, colours: int | None = None) -> None:
     if (kind := Path(path).suffix[1:].lower()) not in known:
         raise ArgumentError("path", f"must end in one of {', '.join(sorted(known))}, not {kind!r}")
     if colours is None:
-        with rc_context(FONTS):
-            page.savefig(path, dpi=DPI)
+        with rc_context(FONTS), replace_file(Path(path)) as file:
+            page.savefig(file, dpi=DPI, format=kind)
         return
     if kind != "png" or not 2 <= check_integer("colours", colours, low=2) <= 256:
         raise ArgumentError("colours", "must be 2 to 256, and only of a .png")
@@ -102,4 +104,6 @@ def save(page: Figure, path: str | Path, colours: int | None = None) -> None:
 
     buffer = BytesIO()
     page.savefig(buffer, dpi=DPI, format="png")
-    Image.open(buffer).convert("RGB").quantize(colours, kmeans=3).save(path, "PNG", optimize=True)
+    picture = Image.open(buffer).convert("RGB").quantize(colours, kmeans=3)
+    with replace_file(Path(path)) as file:
+        picture.save(file, "PNG", optimize=True)

@@ -1,4 +1,4 @@
-"""The hook specifications. Each hook is called once, when its plug-in loads, and returns the plug-in's offers."""
+"""The hook specifications. Each hook is called when its plug-in loads, and returns the plug-in's offers."""
 
 from __future__ import annotations
 

@@ -7,10 +7,12 @@ import importlib.metadata
 import importlib.util
 import inspect
 import re
+import sys
+import threading
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.abc import InspectLoader
-from typing import TYPE_CHECKING, Any, Literal, cast, get_args
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, cast, get_args
 
 import pluggy
 
@@ -35,6 +37,7 @@ if TYPE_CHECKING:
     import click
 
 GROUP = "pacinian"
+DISTRIBUTION = "pacinian"  # whose plug-ins no others replace
 MAX_NAME = 64  # length of a plug-in's name [characters], as on the wire
 Kind = Literal["solver", "backend"]
 BASES: dict[Kind, type[Solver] | type[Backend]] = {"solver": Solver, "backend": Backend}
@@ -79,12 +82,19 @@ class CommandOffer:
     group: CommandGroup = "develop"
 
 
+_Offers: TypeAlias = tuple[list[Offer], list[CommandOffer]]
+
+
 class Plugins:
-    """The installed plug-ins.
+    """The installed plug-ins. Any thread may use them, also while it imports a plug-in.
 
     entry_points: by default those of the group `pacinian`. A plug-in is imported only when it may offer what is
     requested: first the entry point of the requested name, then all others. A plug-in that does not load is recorded
     in `failed` and does not affect the others.
+
+    If several plug-ins offer one name, a plug-in of Pacinian's own wins, or else the plug-in whose entry point has that
+    name; `shadowed` records the others. If neither rule decides, `clashes` records the name of a solver or backend, and
+    `find` refuses it. Of commands, the first one found is used.
     """
 
     def __init__(self, entry_points: Iterable[EntryPoint] | None = None) -> None:
@@ -94,59 +104,140 @@ class Plugins:
         self.commands: dict[str, CommandOffer] = {}
         self.failed: dict[str, PluginError] = {}
         self.clashes: dict[str, PluginError] = {}
-        self.importing = ""
-        """The plug-in that is being imported now."""
+        self.shadowed: dict[str, PluginError] = {}
+        """By plug-in: which of its offers are not used, because a plug-in that wins has the name."""
+        # not held while a plug-in's code runs, because that may wait for another thread
+        self._lock = threading.Lock()
+        # each plug-in that is being imported, with the thread that does it
+        self._reading: dict[tuple[str, int], None] = {}
+        self._clashing: dict[
+            tuple[Kind, str], list[Offer]
+        ] = {}  # those beside the first of each name
+        self._searched: set[str] = set()  # kinds of which all plug-ins are loaded
         self._waiting: dict[str, EntryPoint] = {}
         for point in entry_points:
             known = self._waiting.setdefault(point.name, point)
             if known.value != point.value:
-                self.clashes[point.name] = PluginError(
-                    f"two plug-ins are called {point.name!r}: {_origin(known)} and {_origin(point)}; uninstall one"
-                )
+                self._choose_entry_point(known, point)
         for name in self.clashes:
             del self._waiting[name]
 
-    def load(self, name: str | None = None, kind: Kind | Literal["command"] | None = None) -> None:
-        """Import the plug-in of that name, or all that are not loaded yet. Records errors in `failed` and `clashes`.
+    def _choose_entry_point(self, known: EntryPoint, new: EntryPoint) -> None:
+        """Choose one of two entry points of the same name, or record a clash."""
+        name = known.name
+        if not (_is_own(known) or _is_own(new)):
+            self.clashes[name] = PluginError(
+                f"two plug-ins are called {name!r}: {_origin(known)} and {_origin(new)}; uninstall one"
+            )
+            return
+        used, other = (known, new) if _is_own(known) else (new, known)
+        self._waiting[name] = used
+        self.clashes.pop(name, None)
+        self.shadowed[name] = PluginError(
+            f"plug-in {name!r} ({_origin(other)}) is not used, because {_origin(used)} has that name: "
+            "give its entry point another name, or uninstall it"
+        )
 
-        kind: if given, import only plug-ins that may offer this kind.
+    @property
+    def importing(self) -> str:
+        """The plug-in that is being imported now; empty if there is none."""
+        return next((name for name, _ in reversed(self._reading.copy())), "")
+
+    @property
+    def problems(self) -> dict[str, PluginError]:
+        """What is wrong with plug-ins, by name: all of `failed`, `clashes` and `shadowed`."""
+        return {**self.failed, **self.clashes, **self.shadowed}
+
+    def load(self, name: str | None = None, kind: Kind | Literal["command"] | None = None) -> None:
+        """Import the plug-in of that name, or all that are not loaded yet. Records errors.
+
+        kind: if given, import only plug-ins that may offer this kind. Threads that need the same plug-in at the same
+        time all read it, and the first result counts: if one waited for another, both could wait for ever for the
+        imports of each other.
         """
-        points = [p for n, p in self._waiting.items() if name in (None, n)]
-        for point in [p for p in points if kind is None or _may_offer(p, kind)]:
-            del self._waiting[point.name]
-            self.importing = point.name
+        with self._lock:
+            points = [p for n, p in self._waiting.items() if name in (None, n)]
+        for point in points:
+            reader = point.name, threading.get_ident()
+            if reader in self._reading or not (kind is None or _may_offer(point, kind)):
+                continue  # the plug-in's own code asks for others
+            found: _Offers | PluginError
+            self._reading[reader] = None
             try:
-                offers, commands = self._read(point)
+                found = self._read(point)
             except (Exception, SystemExit) as error:
-                self.failed[point.name] = PluginError(
+                found = PluginError(
                     f"plug-in {point.name!r} ({_origin(point)}) does not load: {describe_plugin_error(error)}"
                 )
-                self.failed[point.name].__cause__ = error
-                continue
-            for offer in offers:
-                twin = self.offers.setdefault((offer.kind, offer.name), offer)
-                if twin.cls is not offer.cls:
-                    self.clashes[offer.name] = PluginError(
-                        f"two {offer.kind}s are called {offer.name!r}: "
-                        f"{twin.cls.__module__} and {offer.cls.__module__}; uninstall one"
-                    )
-            for command in commands:
-                other = self.commands.setdefault(command.name, command)
-                if other.command is not command.command:
-                    self.failed[point.name] = PluginError(
-                        f"plug-in {point.name!r} ({command.distribution}) offers the command {command.name!r}, "
-                        f"which {other.distribution} offers, too: uninstall one"
-                    )
-        self.importing = ""
+                found.__cause__ = error
+            finally:
+                del self._reading[reader]
+            # if its module has not run to its end, its own code called this, and a later call reads all of it
+            if not _is_initializing(point.module):
+                self._record(point, found)
+        if name is None:
+            self._searched |= {kind} if kind else set(BASES)
+
+    def _record(self, point: EntryPoint, found: _Offers | PluginError) -> None:
+        """Record what the plug-in offers, or why it does not load, unless another thread has."""
+        with self._lock:
+            if self._waiting.get(point.name) is not point:
+                return
+            if isinstance(found, PluginError):
+                self.failed[point.name] = found
+            else:
+                offers, commands = found
+                for offer in offers:
+                    self._add_offer(offer)
+                for command in commands:
+                    self._add_command(command, point)
+            del self._waiting[point.name]  # last, as `find` reads without the lock
+
+    def _add_offer(self, new: Offer) -> None:
+        key = new.kind, new.name
+        known = self.offers.setdefault(key, new)
+        used, other = (new, known) if new.plugin == new.name else (known, new)
+        self.offers[key] = used
+        if known.cls is new.cls:
+            return
+        if used.plugin == used.name != other.plugin:
+            if clashing := self._clashing.pop(key, []):
+                self.clashes.pop(new.name, None)
+            for loser in (other, *clashing):
+                self._shadow(loser, new.kind, new.name, used)
+        else:
+            self._clashing.setdefault(key, []).append(new)
+            self.clashes[new.name] = PluginError(
+                f"two {new.kind}s are called {new.name!r}: "
+                f"{known.cls.__module__} and {new.cls.__module__}; uninstall one"
+            )
+
+    def _add_command(self, new: CommandOffer, point: EntryPoint) -> None:
+        known = self.commands.setdefault(new.name, new)
+        if known.command is new.command:
+            return
+        used, other = (new, known) if _is_own(point) else (known, new)
+        self.commands[new.name] = used
+        self._shadow(other, "command", new.name, used)
+
+    def _shadow(
+        self, other: Offer | CommandOffer, kind: str, name: str, used: Offer | CommandOffer
+    ) -> None:
+        text = (
+            f"the {kind} {name!r} of plug-in {other.plugin!r} ({other.distribution}) is not used, because "
+            f"{used.distribution} has that name: give it another name, or uninstall the plug-in"
+        )
+        before = self.shadowed.get(other.plugin)
+        self.shadowed[other.plugin] = PluginError(f"{before}; {text}" if before else text)
 
     @card
     def _repr_html_(self) -> Card:
         offers = self.list()
         head = "kind", "name", "settings", "shipped by"
         table = [(o.kind, o.name, _settings(o), o.distribution) for o in offers[:MAX_ROWS]]
-        return Card(f"{len(offers)} plug-ins", dict(self.failed), [head, *table], len(offers))
+        return Card(f"{len(offers)} plug-ins", dict(self.problems), [head, *table], len(offers))
 
-    def _read(self, point: EntryPoint) -> tuple[list[Offer], list[CommandOffer]]:
+    def _read(self, point: EntryPoint) -> _Offers:
         manager = pluggy.PluginManager(GROUP)  # one per plug-in, to tell apart what each offers
         manager.add_hookspecs(hookspecs)
         manager.register(point.load(), name=point.name)
@@ -176,7 +267,7 @@ class Plugins:
             for command in several
         ]
         if not (offers or commands):
-            raise TypeError("offers nothing: is its hook decorated with @pacinian.hookimpl?")
+            raise TypeError(_explain_nothing(manager))
         return offers, commands
 
     def list(self) -> list[Offer]:
@@ -187,20 +278,35 @@ class Plugins:
         return [self.offers[key] for key in sorted(self.offers)]
 
     def find(self, kind: Kind, name: str) -> Offer:
-        """Return the offer of that name. Raises UnknownPlugin; PluginError if it is broken or not unique."""
-        if (kind, name) not in self.offers:
-            self.load(name)
-        if (kind, name) not in self.offers and name not in self.clashes:
-            self.load()
+        """Return the offer of that name. Raises UnknownPlugin; PluginError if it is broken or not unique.
+
+        Imports one plug-in if its entry point has that name. Otherwise imports all that may offer it.
+        """
+        scopes: tuple[tuple[str | None, Kind | None], ...] = (
+            (name, None),
+            (None, kind),
+            (None, None),
+        )
+        for scope in scopes:
+            if self.find_loaded(kind, name) or name in self.clashes:
+                break
+            self.load(*scope)
         if name in self.clashes:
             raise self.clashes[name]
-        if (kind, name) not in self.offers:
-            if name in self.failed:
-                raise self.failed[name]
-            known = sorted(other for k, other in self.offers if k == kind)
-            broken = f" ({', '.join(self.failed)} did not load)" if self.failed else ""
-            raise UnknownPlugin(kind, name, known, broken)
-        return self.offers[kind, name]
+        if offer := self.offers.get((kind, name)):
+            return offer
+        if name in self.failed:
+            raise self.failed[name]
+        known = sorted(other for k, other in self.offers.copy() if k == kind)
+        broken = f" ({', '.join(self.failed)} did not load)" if self.failed else ""
+        raise UnknownPlugin(kind, name, known, broken)
+
+    def find_loaded(self, kind: Kind, name: str) -> Offer | None:
+        """Return the offer of that name if that takes no import; otherwise None."""
+        offer = self.offers.get((kind, name))
+        if offer is None or name in self.clashes:
+            return None
+        return offer if offer.plugin == name or kind in self._searched else None
 
     def make(self, kind: Kind, name: str, options: dict[str, Any]) -> Solver | Backend:
         """Construct the solver or backend of that name. Raises as `find`; ArgumentError for an unknown option."""
@@ -276,6 +382,29 @@ def _may_offer(point: EntryPoint, kind: Kind | Literal["command"]) -> bool:
     except (Exception, SystemExit):  # raised when its parent package is imported
         return True
     return text is None or f"register_{kind}s" in text or "import *" in text
+
+
+def _explain_nothing(manager: pluggy.PluginManager) -> str:
+    """Return why a plug-in offers nothing."""
+    hooks = [name for name in vars(hookspecs) if name.startswith("register_")]
+    empty = [name for name in hooks if getattr(manager.hook, name).get_hookimpls()]
+    if not empty:
+        return "offers nothing: is its hook decorated with @pacinian.hookimpl?"
+    listed = " and ".join(f"`{name}`" for name in empty)
+    return f"offers nothing: {listed} must return a list that is not empty, and not None"
+
+
+def _is_initializing(module: str) -> bool:
+    """Return whether a module, or a package that contains it, has not run to its end yet."""
+    parts = module.split(".")
+    names = [".".join(parts[: i + 1]) for i in range(len(parts))]
+    specs = [getattr(sys.modules.get(name), "__spec__", None) for name in names]
+    return any(getattr(spec, "_initializing", False) for spec in specs)
+
+
+def _is_own(point: EntryPoint) -> bool:
+    """Return whether Pacinian's own distribution ships a plug-in."""
+    return point.dist is not None and point.dist.name == DISTRIBUTION
 
 
 def _settings(offer: Offer) -> str:

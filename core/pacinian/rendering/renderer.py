@@ -126,8 +126,7 @@ class Renderer(Closeable):
         recorder: Recorder | None = None,
         start_thread: Callable[[Callable[[], object], str], None] = start_daemon,
     ) -> None:
-        if not (isinstance(scene, Scene) or callable(scene)):
-            raise ArgumentError("scene", f"must be a Scene, or a function to one, not {scene!r}")
+        _check_scene(scene)
         if isinstance(scene, Scene):
             scene.check_files()
         self.scene = scene
@@ -438,7 +437,7 @@ class Renderer(Closeable):
         """Discard what is played, so that the next frame starts from silence. A fault stays."""
         self._pipeline.reset()
         if self.recorder is not None:
-            self.recorder.forget()
+            self.recorder.mark_reset()
 
     def _fall_silent(self) -> None:
         """Silence the output, and discard what is played."""
@@ -493,6 +492,13 @@ class Renderer(Closeable):
 
     def _scene(self, t: float) -> Scene:
         """Return the scene at time t [s]."""
+        _check_scene(self.scene)  # which may have been set to anything
         scene = self.scene if isinstance(self.scene, Scene) else self.scene(t)
         check_kind("scene", scene, Scene)
         return scene
+
+
+def _check_scene(scene: object) -> None:
+    """Raise ArgumentError unless `scene` is a `Scene` or a function."""
+    if not (isinstance(scene, Scene) or callable(scene)):
+        raise ArgumentError("scene", f"must be a Scene, or a function to one, not {scene!r}")

@@ -53,7 +53,8 @@ def find_warnings(
     period: of a tick [s]. Raises ArgumentError if a texture's file cannot be read.
     """
     gain, rate = find_ceiling(limits), capability.rate
-    outside, weak, empty, fast = list[str](), list[str](), list[str](), list[str]()
+    outside, mute, weak = list[str](), list[str](), list[str]()
+    empty, fast = list[str](), list[str]()
     for i, item in islice(enumerate(scene.objects), MAX_OBJECTS):
         if is_silent(item):
             continue
@@ -65,21 +66,30 @@ def find_warnings(
         away = 0.0 if scene.workspace is None else scene.workspace.distance(item.pose.position)
         if away > 0.0 and away > item.bounding_radius:
             outside.append(f"{label} ({away:.3g} m outside)")
-        elif not item.focal and (most := _focus(item, session, gain)) < item.pressure:
+        elif not item.focal:
+            most = _focus(item, session, gain)
             far = float(np.linalg.norm(np.asarray(item.pose.position) - session.array.centre))
-            unit = f"; it is {far:.3g} m away, and positions are in metres" if far > FAR else ""
-            weak.append(
-                f"{label} ({item.pressure:.3g} Pa, where the array produces at most {most:.2g} Pa{unit})"
-            )
+            if most == 0.0 and far <= FAR:
+                mute.append(label)
+            elif most < item.pressure:
+                unit = f"; it is {far:.3g} m away, and positions are in metres" if far > FAR else ""
+                weak.append(
+                    f"{label} ({item.pressure:.3g} Pa, where the array produces at most {most:.2g} Pa{unit})"
+                )
     if outside:
         yield (
             f"outside the workspace, and therefore not rendered: {_name(outside)}. Move these objects into the "
             "workspace, or enlarge the workspace"
         )
+    if mute:
+        yield (
+            f"where the array makes no sound, in its plane or behind it: {_name(mute)}. Move these objects to the "
+            "front of the array"
+        )
     if weak:
         yield (
             f"stronger than the array can produce at the place of the object: {_name(weak)}. Move the object nearer to "
-            "the array, reduce its `pressure`, or add units to the array"
+            "the array, reduce its `radiation_pressure` or `force`, or add units to the array"
         )
     if empty:
         yield (
@@ -123,9 +133,14 @@ def _name(labels: list[str]) -> str:
 
 
 def _focus(item: Object, session: Session, gain: float) -> float:
-    """Return the radiation pressure [Pa] of the strongest focus at an object, or at the weakest of several places."""
+    """Return the radiation pressure [Pa] of the strongest focus at an object, or at the weakest of several places.
+
+    Infinite if a place lies on a transducer, or if there are no places.
+    """
     places = np.zeros((1, 3))  # the centre of a body, because its samples may lie on the far side
-    if isinstance(item, Particles) and item.positions:
+    if isinstance(item, Particles):
+        if not item.positions:
+            return np.inf
         places = np.array(item.positions[:: -(-len(item.positions) // PLACES)])
     elif isinstance(item, Path):
         places = item.shape.sample_surface(item.shape.length / PLACES).points

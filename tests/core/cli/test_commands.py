@@ -469,6 +469,67 @@ def test_plugins_of_one_name_are_named_beside_the_others(monkeypatch: pytest.Mon
     assert "two solvers are called 'gs'" in table.stderr
 
 
+def test_offers_that_others_replace_are_named_beside_the_others(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from pacinian.plugins import registry
+
+    plugins = registry.Plugins()
+    plugins.shadowed["twin"] = pc.PluginError("the solver 'gs' of plug-in 'twin' is not used")
+    monkeypatch.setattr(registry, "discover_plugins", lambda: plugins)
+    seen = told("plugins", code=1)
+    assert "gs" in [p["name"] for p in seen["plugins"]]
+    assert seen["failed"] == {"twin": "the solver 'gs' of plug-in 'twin' is not used"}
+
+
+def test_names_cannot_write_to_the_terminal(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(click.utils, "should_strip_ansi", lambda *_: False)  # as in a terminal
+    file = tmp_path / "scene.json"
+    ball = {
+        "type": "volume", "name": "\x1b[31mball", "radiation_pressure": 1.0,
+        "shape": {"type": "sphere", "radius": 0.02}, "pose": {"position": [0, 0, 0.2]},
+        "envelope": {"type": "sine", "frequency": 900.0},  # which the device cannot play
+    }  # fmt: skip
+    file.write_text(json.dumps({"objects": [ball], "array": {"type": "autd"}}))
+    shown = run("render", str(file), "--seconds", "0.01").output
+    assert "?[31mball" in shown
+    assert "\x1b[31m" not in shown
+    file.write_text('{"\\u001b[31mkey": 1}')
+    assert ended(monkeypatch, "render", str(file)) == 2
+    assert "unknown field `?[31mkey`" in capsys.readouterr().err
+
+
+EMPTY: list[tuple[str, ...]] = [
+    *[
+        ("render", str(EXAMPLE), option, "")
+        for option in ("--record", "--out", "--solver", "--backend")
+    ],
+    *[("serve", option, "") for option in ("--connection", "--keys", "--solver", "--host")],
+    *[(name, "") for name in ("render", "replay", "view", "serve", "unity")],
+    ("keys", "server", "--folder", ""),
+    ("keys", "client", "one", "--folder", "keys", "--host", ""),
+    ("devices", "check", ""),
+    ("devices", "draw", str(EXAMPLE), "--out", ""),
+    ("devices", "--backend", ""),
+    ("new", "solver", "one", "--folder", ""),
+    ("status", "--connection", ""),
+    ("replay", "run.pac", "--backend", ""),
+]
+
+
+@pytest.mark.parametrize("arguments", EMPTY, ids=" ".join)
+def test_nothing_may_be_empty(
+    arguments: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    result = run(*arguments)
+    assert result.exit_code == 2
+    assert "must not be empty" in result.output
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_name_that_the_output_cannot_encode_is_printed_with_replacements(tmp_path: Path) -> None:
     file = tmp_path / "scene.toml"
     file.write_text(EXAMPLE.read_text().replace('"ball"', '"\u7403"'), encoding="utf-8")

@@ -153,9 +153,7 @@ def test_a_plug_in_that_does_not_come_back_from_its_import_is_a_problem(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     come = threading.Event()
-    hanging = SimpleNamespace(
-        load=come.wait, importing="snail", offers={"one": 1}, failed={}, clashes={}
-    )
+    hanging = SimpleNamespace(load=come.wait, importing="snail", offers={"one": 1}, problems={})
     monkeypatch.setattr("pacinian.plugins.registry.discover_plugins", lambda: hanging)
     monkeypatch.setattr(doctor_probes, "MAX_IMPORT_TIME", 0.01)
     try:

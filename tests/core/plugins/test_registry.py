@@ -1,11 +1,16 @@
 """Finding plug-ins: lazily, by name, with errors that name the faulty plug-in."""
 
+import importlib
 import re
 import sys
+import threading
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from importlib.metadata import EntryPoint
 from pathlib import Path
-from typing import Any
+from types import ModuleType, SimpleNamespace
+from typing import Any, cast
 
 import pytest
 
@@ -13,6 +18,7 @@ import pacinian as pc
 from pacinian.plugins import hookspecs, registry
 
 ROOT = Path(__file__).parents[3]
+LIMIT = 60.0  # ends a test that hangs [s]
 GOOD = '''
 import pacinian as pc
 
@@ -98,7 +104,8 @@ def test_an_offer_named_unlike_its_entry_point_is_found_too(write: Any) -> None:
         ("raise RuntimeError('boom')", "boom"),
         ("import sys; sys.exit(7)", "SystemExit"),
         ("def (", "SyntaxError"),
-        ("", "offers nothing"),
+        ("", "offers nothing: is its hook decorated"),
+        (GOOD.format(name="plane").replace("[Plane]", "None"), "`register_solvers` must return a"),
         (GOOD.format(name="plane").replace("register_solvers", "register_solver"), "unknown hook"),
         (GOOD.format(name="plane").replace("[Plane]", "[int]"), "derived from Solver"),
         (GOOD.format(name="plane").replace("[Plane]", "[Plane()]"), "derived from Solver"),
@@ -137,6 +144,53 @@ def test_two_offers_of_one_name_are_an_error(write: Any) -> None:
             plugins.find("solver", "plane")
         with pytest.raises(pc.UnknownPlugin):
             plugins.find("solver", "other")
+
+
+@pytest.mark.parametrize("names", [("bundle", "plane", "other"), ("other", "bundle", "plane")])
+def test_the_plugin_whose_entry_point_has_the_name_wins(write: Any, names: list[str]) -> None:
+    points = [write(name, GOOD.format(name="plane")) for name in names]
+    for first in (
+        lambda p: p.find("solver", "plane"),
+        lambda p: p.load(),
+        lambda p: p.find("solver", "plane"),
+    ):
+        plugins = pc.Plugins(points)
+        first(plugins)
+        assert plugins.find("solver", "plane").plugin == "plane"
+        plugins.load()
+        assert plugins.find("solver", "plane").plugin == "plane"
+        assert [offer.plugin for offer in plugins.list()] == ["plane"]
+        assert not plugins.failed
+        assert "the solver 'plane' of plug-in 'bundle' (plugin_bundle" in str(plugins.shadowed)
+        assert "because plugin_plane" in str(plugins.problems["bundle"])
+
+
+def test_a_clash_does_not_depend_on_what_was_loaded_before(write: Any) -> None:
+    points = [write(name, GOOD.format(name="plane")) for name in ("one", "two")]
+    plugins = pc.Plugins(points)
+    plugins.load("two")
+    with pytest.raises(pc.PluginError, match="two solvers are called 'plane'"):
+        plugins.find("solver", "plane")
+    assert plugins.find_loaded("solver", "plane") is None
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_a_plugin_of_pacinian_itself_wins(write: Any, order: int) -> None:
+    own = write("plane", GOOD.format(name="plane"))._for(
+        SimpleNamespace(name="pacinian", version="1")
+    )
+    twin = write("plane", GOOD.format(name="plane"), module="elsewhere")
+    plugins = pc.Plugins([own, twin][::order])
+    assert plugins.find("solver", "plane").cls.__module__ == "plugin_plane"
+    assert not plugins.clashes
+    assert "'plane' (elsewhere, no distribution) is not used" in str(plugins.problems["plane"])
+    assert "because plugin_plane, pacinian 1 has that name" in str(plugins.problems["plane"])
+
+
+def test_our_plugins_are_called_what_they_offer() -> None:
+    """`find` relies on that: another plug-in's offer cannot replace one of them."""
+    plugins = pc.Plugins()
+    assert {offer.plugin for offer in plugins.list()} == {offer.name for offer in plugins.list()}
 
 
 def test_two_plugins_of_one_name_are_an_error(write: Any) -> None:
@@ -200,6 +254,101 @@ def test_a_backend_without_a_capability_is_named(write: Any, capability: str, wh
         pc.Renderer(pc.autd(), pc.Scene(), backend=device)
     with pytest.raises(pc.PluginError, match="backend 'device'"):
         registry.read_capability(device)
+
+
+@dataclass
+class Point:
+    """An entry point of which several threads read the module at the same time."""
+
+    name: str
+    module: str
+    together: threading.Barrier
+    dist: Any = None
+
+    @property
+    def value(self) -> str:
+        return self.module
+
+    def load(self) -> Any:
+        self.together.wait(LIMIT)
+        return sys.modules[self.module]
+
+
+def test_threads_may_load_one_plugin_at_the_same_time(write: Any) -> None:
+    write("plane", GOOD.format(name="plane")).load()
+    point: Any = Point("plane", "plugin_plane", threading.Barrier(2))
+    plugins = pc.Plugins([point])
+    with ThreadPoolExecutor(2) as threads:
+        made = [threads.submit(plugins.find, "solver", "plane") for _ in range(2)]
+        one, two = (future.result(LIMIT) for future in made)
+    assert one is two
+    assert not plugins.problems
+    assert not plugins.importing
+
+
+@pytest.fixture
+def known(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
+    """What modules of plug-ins find in the module `known`."""
+    module = ModuleType("known")
+    monkeypatch.setitem(sys.modules, "known", module)
+    return cast("SimpleNamespace", module)
+
+
+@pytest.mark.parametrize("where", ["body", "hook"])
+def test_a_plugin_may_ask_for_others(write: Any, known: SimpleNamespace, where: str) -> None:
+    ask = """
+import known
+assert known.plugins.find("solver", "plane").name == "plane"
+try:
+    known.plugins.find("solver", "none")
+except ValueError:
+    pass
+"""
+    source = GOOD.format(name="asking")
+    if where == "hook":
+        ask = ask.replace("\n", "\n    ")
+        source = source.replace("    return [Plane]", f"{ask}\n    return [Plane]")
+    else:
+        source = source + ask
+    points = [write("asking", source), write("plane", GOOD.format(name="plane"))]
+    known.plugins = plugins = pc.Plugins(points)
+    assert plugins.find("solver", "asking").name == "asking"
+    assert not plugins.problems
+
+
+def test_a_plugin_whose_module_runs_is_left_for_later(write: Any, known: SimpleNamespace) -> None:
+    source = f"{GOOD.format(name='plane')}\nimport known\nknown.plugins.load()\n"
+    known.plugins = plugins = pc.Plugins([write("bundle", source)])
+    importlib.import_module("plugin_bundle")
+    assert not plugins.problems
+    assert plugins.find("solver", "plane").plugin == "bundle"
+
+
+def test_threads_that_import_each_other_s_modules_come_to_an_end(
+    write: Any, known: SimpleNamespace
+) -> None:
+    """One imports a module that asks for a plug-in, the other the plug-in, which imports that module."""
+    asks = """
+import known
+known.together.wait(known.limit)
+try:
+    known.plugins.find("solver", "plane")
+except ValueError:
+    pass
+"""
+    imports = "import known\nknown.together.wait(known.limit)\nimport plugin_asks\n"
+    write("asks", asks)
+    plugins = pc.Plugins([write("plane", imports + GOOD.format(name="plane"))])
+    known.plugins, known.together, known.limit = plugins, threading.Barrier(2), LIMIT
+    ways = lambda: importlib.import_module("plugin_asks"), lambda: plugins.find("solver", "plane")
+    threads = [threading.Thread(target=way, daemon=True) for way in ways]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(LIMIT)
+        assert not thread.is_alive()
+    assert not plugins.problems
+    assert plugins.find("solver", "plane").name == "plane"
 
 
 def test_every_file_of_ours_is_an_entry_point() -> None:
@@ -278,5 +427,16 @@ def test_two_plugins_with_one_command_are_named(write: Any) -> None:
     plugins = pc.Plugins(points)
     plugins.load(kind="command")
     assert plugins.commands["tune"].plugin == "one"
-    assert "tune" in str(plugins.failed["two"])
-    assert "plugin_one" in str(plugins.failed["two"])
+    assert "tune" in str(plugins.shadowed["two"])
+    assert "plugin_one" in str(plugins.shadowed["two"])
+    assert not plugins.failed
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_no_plugin_replaces_a_command_of_ours(write: Any, order: int) -> None:
+    twin, own = (write(n, COMMAND.format(name="tune", offer="tune")) for n in ("twin", "own"))
+    own = own._for(SimpleNamespace(name="pacinian", version="1"))
+    plugins = pc.Plugins([twin, own][::order])
+    plugins.load(kind="command")
+    assert plugins.commands["tune"].plugin == "own"
+    assert "the command 'tune' of plug-in 'twin'" in str(plugins.problems["twin"])

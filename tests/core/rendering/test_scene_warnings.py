@@ -84,6 +84,7 @@ def test_an_object_that_asks_for_more_than_one_focus_is_named(
             in text
         )
         assert "nearer" in text
+        assert "`radiation_pressure` or `force`" in text
 
 
 def ring(z: float, pressure: float) -> pc.Path:
@@ -111,16 +112,18 @@ def test_paths_and_particles_are_named_too(make: Any) -> None:
 
 
 def test_a_place_in_millimetres_is_answered_with_the_unit() -> None:
-    (text,) = warn(ball((0.0, 0.0, 150.0)))
-    assert "it is 150 m away, and positions are in metres" in text
+    for z in (150.0, 150_000.0):  # at the second, the pressure is 0
+        (text,) = warn(ball((0.0, 0.0, z)))
+        assert f"it is {z:.3g} m away, and positions are in metres" in text
 
 
-def test_behind_the_array_nothing_can_be_made() -> None:
+@pytest.mark.parametrize("z", [0.0, -0.1])
+def test_an_object_in_the_array_s_plane_or_behind_it_must_be_moved_to_the_front(z: float) -> None:
     array = pc.autd(transducer=pc.Transducer(directivity=pc.Piston(0.0045, 730.0)))
-    scene = pc.Scene((ball((0.0, 0.0, -0.1)),))
+    scene = pc.Scene((ball((0.003, 0.003, z)), replace(ball((0.0, 0.0, 0.2)), name="")))
     with pc.Renderer(array, scene, medium=AIR, clock=ManualClock()) as renderer:
         (text,) = renderer.report.warnings
-    assert "at most 0 Pa" in text
+    assert "in its plane or behind it: 'ball'. Move these objects to the front of the array" in text
 
 
 def test_a_force_on_a_transducer_and_an_empty_scene_warn_about_nothing() -> None:
@@ -145,8 +148,18 @@ def test_many_objects_are_one_sentence_that_names_a_few() -> None:
     assert "and 27 more" in text
 
 
+def test_a_scene_that_is_none_is_a_fault_that_says_what_it_must_be() -> None:
+    renderer = pc.Renderer(ARRAY, pc.Scene(), medium=AIR, clock=ManualClock())
+    with renderer:
+        renderer.scene = 5  # type: ignore[assignment]
+        renderer.tick(0.0)
+        assert renderer.halted is not None
+        assert renderer.halted.message == "`scene` must be a Scene, or a function to one, not 5"
+
+
 def test_particles_have_no_single_place() -> None:
     assert warn(pc.Particles(positions=((0.0, 0.0, 0.2),), radiation_pressure=1.0)) == ()
+    assert warn(pc.Particles(positions=(), radiation_pressure=1.0)) == ()
 
 
 @pytest.mark.parametrize("hands", [(), (pc.Hand.open("right", pc.Pose((0.0, 0.0, 0.17))),)])

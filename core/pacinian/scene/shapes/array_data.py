@@ -6,6 +6,7 @@ A scene keeps them as the bytes of a .npy file, so that they compare and seriali
 from __future__ import annotations
 
 from io import BytesIO
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -67,7 +68,12 @@ def _check_array(name: str, array: Array, dimension: int) -> Array:
 
 
 def _read(file: str) -> Array:
-    """Read a .npy file, or a picture as the brightness of its pixels, 0..1, (rows, columns)."""
+    """Read a .npy file, or a picture as the brightness of its pixels, 0..1, (rows, columns).
+
+    Raises ValueError for anything but a file: to open a pipe would wait for a writer.
+    """
+    if not Path(file).is_file():
+        raise ValueError("it is not there, or not a file")
     if file.endswith(".npy"):
         return np.lib.format.open_memmap(file, mode="r")
     from PIL import Image

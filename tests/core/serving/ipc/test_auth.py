@@ -15,7 +15,7 @@ from pacinian.cli.keys import keys as command
 from pacinian.errors import ArgumentError, ServerError
 from pacinian.serving.ipc import auth
 from pacinian.serving.ipc.auth import (
-    Authenticator,
+    ClientAuthenticator,
     make_key_pair,
     make_secrets,
     write_remote_connection,
@@ -98,7 +98,7 @@ def test_the_allow_list_is_read_again_when_it_changes(tmp_path: Path) -> None:
     settings = Settings(network=Network(host="0.0.0.0"), security=Security(str(tmp_path)))
     secrets = make_secrets(settings)
     with zmq.Context() as context:
-        gate = Authenticator(context, secrets, str(tmp_path))
+        gate = ClientAuthenticator(context, secrets, str(tmp_path))
         assert gate.callback("", secrets["public_key"].encode())
         assert not gate.callback("", zmq.curve_keypair()[0])
         public, _ = make_key_pair(tmp_path, "tablet")

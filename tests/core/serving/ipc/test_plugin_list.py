@@ -68,6 +68,25 @@ def test_a_plug_in_that_does_not_come_back_from_its_import_is_named_and_holds_no
     assert [[plugin.name for plugin in offers] for offers in found] == [[], ["slow"], ["slow"]]
 
 
+def test_names_that_several_plug_ins_have_are_logged_and_listed_only_if_one_wins(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, logged: Logged
+) -> None:
+    source = SLOW.replace("import the_gate\nthe_gate.opened.wait()", "")
+    for name in ("snail", "slow", "tie", "knot"):
+        text = source if name in ("snail", "slow") else source.replace('"slow"', '"late"')
+        (tmp_path / f"{name}_offers.py").write_text(text)
+    monkeypatch.syspath_prepend(tmp_path)
+    points = [EntryPoint(n, f"{n}_offers", "pacinian") for n in ("snail", "slow", "tie", "knot")]
+    plugins = Plugins(points)
+    monkeypatch.setattr(registry, "discover_plugins", lambda: plugins)
+    assert [plugin.name for plugin in plugin_list.list_offers("solver")] == ["slow"]
+    logged.wait("several plug-ins have one name", "'snail'")
+    logged.wait("several plug-ins have one name", "two solvers are called 'late'")
+    assert plugin_list.find_plugin("solver", "slow").plugin == "slow"
+    with pytest.raises(PluginError, match="two solvers are called 'late'"):
+        plugin_list.find_plugin("solver", "late")
+
+
 def test_a_listing_that_fails_is_logged_and_tells_what_is_known(
     monkeypatch: pytest.MonkeyPatch, logged: Logged
 ) -> None:
