@@ -184,7 +184,7 @@ def test_the_error_is_shown_on_what_is_felt(browser: Browser, url: str, server: 
         shown.until(lambda: shown.text("#samples td:nth-child(5)").endswith("%"))
         shown.page.check("[name=of][value=error]")
         shown.page.check("[name=axis][value=z]")
-        shown.until(lambda: shown.get("slice.of") == "error")
+        shown.until(lambda: shown.get("slice.quantity") == "error")
         shown.until(lambda: abs(shown.get("slice.centre")[2] - 0.15) < 1e-4)
         shown.until(lambda: any(value is not None for value in shown.get("slice.pressure")))
         shown.until(lambda: shown.text("#bar-caption") == "made − asked [Pa]")
@@ -192,7 +192,7 @@ def test_the_error_is_shown_on_what_is_felt(browser: Browser, url: str, server: 
         shown.until(lambda: shown.text("#bar-ticks").split()[2] == "0")
         shown.page.focus("canvas")
         shown.page.keyboard.press("e")
-        shown.until(lambda: shown.get("slice.of") == "pressure")
+        shown.until(lambda: shown.get("slice.quantity") == "pressure")
         shown.until(lambda: shown.text("#bar-caption") == "mean pressure [Pa]")
         assert shown.page.is_checked("[name=of][value=pressure]")
 
@@ -229,7 +229,7 @@ def test_mean_peak_and_instant_and_the_laws_of_colours(
 ) -> None:
     with Game(server.connection), seen(browser, url) as shown:
         page = shown.page
-        shown.until(lambda: shown.get("slice && pacinian.slice.over") == "mean")
+        shown.until(lambda: shown.get("slice && pacinian.slice.average") == "mean")
         page.select_option("#over", "peak")
         shown.until(lambda: shown.text("#bar-caption") == "peak pressure [Pa]")
         page.select_option("#over", "instant")

@@ -150,9 +150,9 @@ class WaitingProcesses:
         self._starts = 0.0  # processes that the batches so far were worth
 
     def identify_code(self, task: Task) -> object:
-        """Return what differs if processes that have solved other tasks may lack the code of this one, or have old one.
+        """Return a key that changes when running processes may lack this task's code, or have an old version of it.
 
-        It is where modules are found, and how often users have edited modules of solvers since they solved with them.
+        The key holds the module search path, and how often solver modules were edited after their first use.
         """
         module, written = type(task.solver).__module__, 0
         file = getattr(sys.modules.get(module), "__file__", None)
@@ -164,9 +164,9 @@ class WaitingProcesses:
             return tuple(sys.path), self._edits
 
     def count_worthwhile(self, code: object, starts: float) -> int:
-        """Return how many processes wait that know this code, or how many are worth their start if these are more.
+        """Return how many processes to use: those that wait and know this code, or those worth starting, if more.
 
-        starts: the number that this batch is worth. The batches before count, too, until the processes end.
+        starts: how many this batch is worth. The batches before count, too, until the processes end.
         """
         with self._lock:
             self._starts += starts

@@ -80,7 +80,8 @@ def connect(socket: zmq.Socket[bytes], at: str) -> None:
 class Link:
     """A DEALER socket. Belongs to one thread. Close it before its context.
 
-    heartbeat: False if the server may read slowly, because heartbeats queue behind unread messages.
+    heartbeat: False if the server may read slowly, because heartbeats queue behind unread messages. advice: what to do
+    if nothing listens at `at`.
     """
 
     def __init__(
@@ -90,8 +91,9 @@ class Link:
         at: str,
         *,
         heartbeat: bool = True,
+        advice: str = START_SERVER,
     ) -> None:
-        self.at = at
+        self.at, self._advice = at, advice
         self.known = False
         """Whether the server has answered on any connection.
 
@@ -148,7 +150,7 @@ class Link:
         elif event & FOREIGN:
             why = "is not a Pacinian server, requires other security (CURVE keys or a token), or is too busy"
         elif event & zmq.EVENT_CLOSED:
-            why = f"does not answer: {START_SERVER}"
+            why = f"does not answer: {self._advice}"
         else:
             why = "has gone"
         return ConnectionLost(f"the server at {self.at} {why}")

@@ -18,6 +18,7 @@ from pacinian.client.server_clock import ServerClock
 from pacinian.client.state_subscription import read_newest
 from pacinian.errors import ConnectionLost, PacinianError, Refused, WireError
 from pacinian.wire.codec import encode
+from pacinian.wire.connection_file import START_SERVER
 from pacinian.wire.control import Arm, Bye, Hello, Renew, Request, Stop
 from pacinian.wire.protocol import MAJOR, MINOR
 from pacinian.wire.replies import Error, Ok, Renewed, Welcome
@@ -35,6 +36,8 @@ R = TypeVar("R", bound="AnyReply | State")
 RENEWAL_SHARE = 0.125  # interval between renewals, as a fraction of the lease
 BYE_TIMEOUT = 0.2  # time limit for a bye [s]
 MAX_ERRORS = 100  # number of errors kept of commands that did not wait
+# What to do if nothing listens at the command port: while the bus restarts, only the control port answers.
+RETRY_COMMANDS = f"{START_SERVER} If it is, it restarts its bus process: try again"
 # Codes of unsolicited errors that end an owner's sound.
 ENDED = "expired", "owner", "fault", "stopped"
 
@@ -71,12 +74,10 @@ class ServerSession:
         self._states: zmq.Socket[bytes] | None = None
         self._poller = zmq.Poller()
         try:
-            for at in (connection.control, connection.command):
-                heartbeat = at == connection.control
-                self._links.append(Link(self._context, connection, at, heartbeat=heartbeat))
-                self._poller.register(self._links[-1].socket, zmq.POLLIN)
-                self._poller.register(self._links[-1].monitor, zmq.POLLIN)
-            self._control, self._command = self._links
+            self._control = self._open_link(connection.control)
+            self._command = self._open_link(
+                connection.command, heartbeat=False, advice=RETRY_COMMANDS
+            )
             self.welcome = self._hello(hello)
             self._due = self.clock() + self.renewal_interval
             for link in self._links:
@@ -84,6 +85,14 @@ class ServerSession:
         except BaseException:
             self.close()
             raise
+
+    def _open_link(self, at: str, **options: Any) -> Link:
+        """Open a link to the address `at`, and watch it. options: of `Link`. Raises ConnectionLost."""
+        link = Link(self._context, self._connection, at, **options)
+        self._links.append(link)
+        self._poller.register(link.socket, zmq.POLLIN)
+        self._poller.register(link.monitor, zmq.POLLIN)
+        return link
 
     def _hello(self, given: dict[str, Any]) -> Welcome:
         sent = self.clock()

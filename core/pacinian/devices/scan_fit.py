@@ -49,7 +49,7 @@ MAX_SPREAD = 2.0  # misfit at a position, relative to that of the scan; beyond, 
 MAX_ERROR = 0.1  # relative error of a response from noise; beyond, the transducer is unseen
 OUTLIER_WEIGHT = 0.1  # weight, 0..1, below which a reading is an outlier
 MAX_OUTLIER_SHARE = 0.5  # share of outliers in a transducer's readings above which these are odd
-MIN_STRENGTH = 0.1  # strength relative to the mean; below, the transducer is dead
+MIN_SCANNED_STRENGTH = 0.1  # strength relative to the mean; below, the transducer is dead
 # information about a parameter from the scan, relative to its prior; below, the parameter is unknown
 MIN_INFORMATION = 0.1
 MIN_SHARE = 0.2  # smallest share in an unknown combination for which a parameter is named
@@ -76,13 +76,13 @@ class ScanFit:
 
     responses: complex responses, (N,), of mean strength 1; 0 if dead, 1 if unseen.
     gain_errors, phase_errors: errors of the responses' sizes, relative, and of their phases [rad], (N,).
-    dead: weaker than a tenth of the mean, (N,). unseen: the scan does not determine the response, (N,). reversed: in
-        antiphase to most others, (N,).
+    dead: weaker than `MIN_SCANNED_STRENGTH` times the mean, (N,). unseen: the scan does not determine the response,
+        (N,). reversed: in antiphase to most others, (N,).
     positions: corrected positions of the microphone [m], (M, 3), with position_errors [m], (M, 3). residuals:
         unexplained part of a typical reading at each position, relative to the expected rms there, (M,). residual:
         unexplained part of a typical reading of the whole scan, relative to its expected rms. doubtful: the misfit at a
-        position is more than twice the typical misfit, (M,); the position may be wrong by a wavelength. outliers:
-        number of readings that lost most of their weight.
+        position is more than `MAX_SPREAD` times the typical misfit, (M,); the position may be wrong by a wavelength.
+        outliers: number of readings that lost most of their weight.
     speed_of_sound: fitted or given speed [m/s]. speed_error: its error [m/s].
     pose: the array's pose in the frame of the scan: `array.transform(pose)` is where it is. shift, turn: the shift of
         its centre [m] and the turn about its centre as a rotation vector [rad], (3,) each. pose_errors: errors of both,
@@ -191,22 +191,7 @@ def fit_scan(
     if best.residual > MAX_RESIDUAL:
         turned = fit_model(array, q0, X.conj(), read, own, prior)
         raise ArgumentError("readings", _advise(best.residual, turned.residual))
-    moved = float(np.sqrt(np.mean((best.positions - q0) ** 2)))
-    if moved > MAX_MOVE * position_error:
-        raise ArgumentError(
-            "positions",
-            f"would be corrected by {1e3 * moved:.1f} mm rms in each coordinate, for an error of "
-            f"{1e3 * position_error:g} mm: measure them again, and check the order of the channels, and the "
-            "temperature if it is given",
-        )
-    pose = np.r_[best.shift, best.turn] / prior.shared[2:]
-    if float(np.sqrt(np.mean(pose**2))) > MAX_POSE_MOVE:
-        raise ArgumentError(
-            "positions",
-            f"fit only an array that is shifted by {1e3 * np.linalg.norm(best.shift):.1f} mm and turned by "
-            f"{np.linalg.norm(best.turn):.3f} rad, much more than the stated error of its pose: measure the pose "
-            "again, and check the order of the channels",
-        )
+    _check_corrections(best, q0, prior)
     return _make_fit(best, size, best.prior.widths / prior.widths, group)
 
 
@@ -225,7 +210,8 @@ def _check_files(files: ArrayLike, shape: tuple[int, int]) -> Longs:
 def _group_files(files: Longs, read: Flags) -> Longs:
     """Return 0 for files whose factor is 1, and 1, 2, ... for those with their own, (F,).
 
-    Files that share a transducer with each other can be compared. Of those that cannot be, each has the factor 1.
+    Files that share a transducer can be compared, directly or through other files. In each group of comparable files,
+    the first has the factor 1.
     """
     F = int(files.max(initial=0)) + 1
     heard = np.array([(read & (files == f)).any(axis=0) for f in range(F)], np.int64)  # (F, N)
@@ -249,6 +235,29 @@ def _check_count(read: Flags, factors: int) -> None:
             f"positions, {len(SHARED)} for the air and the pose): the phases of the transducers cannot be "
             f"distinguished from the positions, the {SHARED[0]} and the pose. Read more transducers at each position: "
             f"{(unknowns // 2) // M + 1} or more",
+        )
+
+
+def _check_corrections(model: ScanModel, positions: Floats, prior: Prior) -> None:
+    """Raise ArgumentError if the fit moves the positions or the array much farther than their stated errors.
+
+    positions: as given [m], (M, 3). prior: with the stated errors.
+    """
+    moved = float(np.sqrt(np.mean((model.positions - positions) ** 2)))
+    if moved > MAX_MOVE * prior.position:
+        raise ArgumentError(
+            "positions",
+            f"would be corrected by {1e3 * moved:.1f} mm rms in each coordinate, for an error of "
+            f"{1e3 * prior.position:g} mm: measure them again, and check the order of the channels, and the "
+            "temperature if it is given",
+        )
+    pose = np.r_[model.shift, model.turn] / prior.shared[2:]
+    if float(np.sqrt(np.mean(pose**2))) > MAX_POSE_MOVE:
+        raise ArgumentError(
+            "positions",
+            f"fit only an array that is shifted by {1e3 * np.linalg.norm(model.shift):.1f} mm and turned by "
+            f"{np.linalg.norm(model.turn):.3f} rad, much more than the stated error of its pose: measure the pose "
+            "again, and check the order of the channels",
         )
 
 
@@ -355,7 +364,7 @@ def _find_seen(model: ScanModel) -> tuple[Flags, float]:
     mean, seen = 0.0, model.S > 0.0
     for _ in range(3):  # the mean is over transducers that are seen and alive
         mean = float(strength[seen].mean()) if seen.any() else 0.0
-        seen = (noise <= MAX_ERROR * mean) & (strength > MIN_STRENGTH * mean)
+        seen = (noise <= MAX_ERROR * mean) & (strength > MIN_SCANNED_STRENGTH * mean)
     if not seen.any():
         raise ArgumentError(
             "readings",

@@ -12,6 +12,7 @@ from pacinian.acoustics.array import Array
 from pacinian.acoustics.pressure import sound_pressure_level
 from pacinian.acoustics.propagation import check_medium
 from pacinian.argument_checks import check_kind, check_number
+from pacinian.atomic_file import replace_file
 from pacinian.errors import ArgumentError, MissingExtra
 from pacinian.plot import meshes
 from pacinian.plot.fields import NONE, cut_both
@@ -161,7 +162,8 @@ class _Model:
         """Write the file with y up."""
         self.made.metadata.update(self.extras)
         self.made.apply_transform(UP)
-        path.write_bytes(self.made.export(file_type="glb"))
+        with replace_file(path) as file:
+            file.write(self.made.export(file_type="glb"))
 
 
 def _corners(plane: Plane) -> Floats:

@@ -126,7 +126,7 @@ def slices(
     axes = page.subplots(1, 2, width_ratios=[1.0, narrow])
     draw_both(page, array, gains, axes, both, q, medium)
     if title:
-        set_title(page, title, wrap=True)
+        set_title(page, title)
         layout: Any = page.get_layout_engine()
         layout.set(h_pad=TITLE_PAD)  # else it touches the titles of the panels
     return page

@@ -43,11 +43,12 @@ def figure(width: float = COLUMN, height: float = 2.6) -> Figure:
 
 
 def set_title(page: Figure, text: str, **style: Any) -> None:
-    """Set the title of a figure, which may be the name of a file.
+    """Set the title of a figure, which may be the name of a file. A long title is broken at its spaces.
 
     Characters that the locale or Unicode lacks are drawn as U+FFFD, and dollar signs as they are.
     """
-    page.suptitle(make_printable(text), parse_math=False, **style)
+    # Matplotlib measures a wrapped text as mathematics even with parse_math=False, but not if its dollars are escaped.
+    page.suptitle(make_printable(text).replace("$", r"\$"), wrap=True, **style)
 
 
 def make_printable(text: str) -> str:

@@ -100,7 +100,7 @@ def pareto(
         ).tolist()
     _axes(grid, sizes, counts, [1e3 * c.p50 for c in cells])
     if title:
-        set_title(page, title, fontsize=9, wrap=True)
+        set_title(page, title, fontsize=9)
     if ours:
         dress(page)
     page.draw_without_rendering()  # lays the panels out, so that labels can be placed

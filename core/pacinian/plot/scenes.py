@@ -66,7 +66,7 @@ def scene(
     for panel, (plane, _) in zip(panels, both, strict=True):
         draw_outlines(panel, plane, scene, t)
     if title:
-        set_title(page, title, wrap=True)
+        set_title(page, title)
     page.draw_without_rendering()
     for view in views:
         view.fit(page.dpi)

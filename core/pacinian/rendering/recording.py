@@ -147,7 +147,7 @@ class Recorder:
         with suppress(PacinianError, TypeError, ValueError, OverflowError, RecursionError):
             self._writer.prepare(scene)
 
-    def forget(self) -> None:
+    def mark_reset(self) -> None:
         """Mark the next tick as the first after a reset of the renderer."""
         self._begins = True
 

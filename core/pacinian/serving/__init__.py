@@ -2,7 +2,8 @@
 
 Each of the four kinds of process has a folder; none imports another.
 
-  server.py    starts and ends the server; decides whether its first processes are forked or spawned
+  server.py    starts and ends the server; decides whether its first processes are forked or spawned; tells systemd
+               when the server is ready
   settings.py  contents of a configuration file, with all limits and times that it can set
   control/     the parent: control socket, sessions, output lease, selections, status; supervises the others
   bus/         command socket: decodes and validates commands, stores the objects

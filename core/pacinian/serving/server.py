@@ -21,7 +21,7 @@ from pacinian.serving.control.process import ControlLoop
 from pacinian.serving.control.sockets import ControlSockets, explain_bind_error
 from pacinian.serving.control.supervisor import GUARD, SPARE, START_ORDER, Supervisor
 from pacinian.serving.ipc import launched_child, scheduling, shared_memory
-from pacinian.serving.ipc.auth import Authenticator, make_secrets
+from pacinian.serving.ipc.auth import ClientAuthenticator, make_secrets
 from pacinian.serving.ipc.child_pipe import ChildPipes
 from pacinian.serving.ipc.file_lock import FileLock, LockHeld
 from pacinian.serving.ipc.launch_config import LaunchConfig
@@ -99,19 +99,13 @@ def serve(
         folder = stack.enter_context(shared_memory.open_folder())
         stack.enter_context(_name_refused_setting(folder, source))
         settings = _keep_description(settings, folder)
-        capacities = {**CAPACITIES, "frame": compute_frame_capacity(len(settings.array.make()))}
-        files = {
-            name: stack.enter_context(
-                shared_memory.SharedRegister.create(
-                    folder / name, capacity, open_wakes(folder / name)
-                )
-            )
-            for name, capacity in capacities.items()
-        }
+        files = stack.enter_context(_create_registers(settings, folder))
         # The stop is answered whatever the others do; ZeroMQ's threads inherit the priority.
         scheduling.raise_priority()
         context: zmq.Context[zmq.Socket[bytes]] = stack.enter_context(zmq.Context())
-        authenticator = stack.enter_context(Authenticator(context, secrets, settings.security.keys))
+        authenticator = stack.enter_context(
+            ClientAuthenticator(context, secrets, settings.security.keys)
+        )
         stop = stack.enter_context(_open_stop_socket(folder / "stop", secrets))
         sockets = stack.enter_context(
             ControlSockets(context, authenticator, settings.network, stop)
@@ -137,15 +131,35 @@ def serve(
                     supervisor.trusted = True
                     connection.write(path)
                     stack.callback(connection.remove, path)
-                    log().info("ready", connection=str(path))
-                    notify("READY=1")
-                    ready(path)
-                    trim_memory()
+                    _announce_ready(path, ready)
         finally:
             notify("STOPPING=1")
             control.silence_all()
             sockets.close()  # the files of connections are needed to remove the connection file
             log().info("end")
+
+
+@contextlib.contextmanager
+def _create_registers(settings: Settings, folder: Path) -> Generator[dict[str, SharedRegister]]:
+    """Create the shared memory of the processes, by name, for as long as the context lasts."""
+    capacities = {**CAPACITIES, "frame": compute_frame_capacity(len(settings.array.make()))}
+    with contextlib.ExitStack() as stack:
+        yield {
+            name: stack.enter_context(
+                shared_memory.SharedRegister.create(
+                    folder / name, capacity, open_wakes(folder / name)
+                )
+            )
+            for name, capacity in capacities.items()
+        }
+
+
+def _announce_ready(path: Path, ready: Callable[[Path], object]) -> None:
+    """Tell the log, systemd and the caller of `serve` that clients can connect; return memory that the start needed."""
+    log().info("ready", connection=str(path))
+    notify("READY=1")
+    ready(path)
+    trim_memory()
 
 
 def _take_or_start_child(

@@ -17,13 +17,13 @@ if TYPE_CHECKING:
     from pacinian.viewing.array_model import ArrayModel
     from pacinian.viewing.feed_file import Entry, FeedFile
 
-SPAN = 30.0  # time that the charts show [s]; also in viewer/src/panels/chart-series.ts
+CHART_SPAN = 30.0  # time that the charts show [s]; also in viewer/src/panels/chart-series.ts
 MAX_MESSAGES = 240  # maximum number of messages that are read, per kind
 
 
 def collect_history(recorded: FeedFile, before: Sequence[Entry], model: ArrayModel) -> History:
-    """Collect the last `SPAN` seconds of the entries `before` a time. Damaged messages are skipped."""
-    begin = before[-1].at - SPAN if before else 0.0
+    """Collect the last `CHART_SPAN` seconds of the entries `before` a time. Damaged messages are skipped."""
+    begin = before[-1].at - CHART_SPAN if before else 0.0
     late = [entry for entry in before if entry.at >= begin]
     rows: dict[float, list[float]] = {}
     for kind in ("frame", "state"):

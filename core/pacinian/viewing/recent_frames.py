@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from pacinian.wire.modulation import Technique
     from pacinian.wire.objects import Object
 
-SPAN = 0.3  # time in which the frames of a cycle are looked for [s]
+CYCLE_SPAN = 0.3  # time in which the frames of a cycle are looked for [s]
 MODULATED_SPAN = 1.0  # averaging time of a modulation while nothing moves [s]
 MOVING_SPAN = 0.12  # minimum averaging time while something moves [s]; a longer one would smear
 MAX_FRAMES = 64  # maximum number of frames that count
@@ -153,7 +153,9 @@ class RecentFrames:
         before is then a transition, and counts alone.
         """
         newest = self._frames[-1]
-        recent = [frame for frame in reversed(self._frames) if frame.time >= newest.time - SPAN]
+        recent = [
+            frame for frame in reversed(self._frames) if frame.time >= newest.time - CYCLE_SPAN
+        ]
         if newest.parts:
             parts: dict[int, bytes] = {}
             for frame in recent:

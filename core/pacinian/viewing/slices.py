@@ -27,7 +27,8 @@ if TYPE_CHECKING:
     from pacinian.viewing.region_error import Regions
 
 MAX_PAIRS = 5e7  # maximum number of point-transducer pairs per batch: 0.1 s of processor time
-FIELD_NICENESS = 10  # niceness of the process: a tenth of what others get, because a hundredth would stop the pictures
+# Niceness of the process: it gets a tenth of the processor time of others. With a hundredth, the pictures would stop.
+FIELD_NICENESS = 10
 MAX_FIELDS = 16  # maximum number of fields that are computed for one slice
 NEGLIGIBLE = 1e-5  # share of the power of all frames that may be left out
 
@@ -102,7 +103,9 @@ class FieldWorker:
             except ProcessEnded:
                 if process is self._process:
                     self._process = None
-        raise ArgumentError("slice", "cannot be computed: the process that does was killed twice")
+        raise ArgumentError(
+            "slice", "cannot be computed: the process that computes it was killed twice"
+        )
 
     def _start(self) -> FieldProcess:
         """Start the other process, if there is none."""

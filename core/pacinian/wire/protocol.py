@@ -32,6 +32,8 @@ MAX_PARTICLES = 10_000  # points of one `particles` object
 MAX_PARTS = 16  # parts of a union, intersection or difference
 MAX_OPTIONS = 32  # options of a solver or backend
 MAX_TIME_TO_LIVE = 60.0  # time to live of a command [s]
+MAX_COORDINATE = 10.0  # absolute value of a coordinate of a position [m]
+MAX_SPEED = 100.0  # speed [m/s], and angular speed [rad/s]
 
 Name = Annotated[str, Meta(min_length=1, max_length=64, description="a name")]
 Text = Annotated[str, Meta(max_length=200, description="a text")]
@@ -43,11 +45,11 @@ Session = Annotated[
 ]
 Seconds = Annotated[float, Meta(ge=-1e12, le=1e12, description="[s]")]
 Lifetime = Annotated[float, Meta(ge=0.0, le=MAX_TIME_TO_LIVE, description="[s]")]
-Coordinate = Annotated[float, Meta(ge=-10.0, le=10.0, description="[m]")]
+Coordinate = Annotated[float, Meta(ge=-MAX_COORDINATE, le=MAX_COORDINATE, description="[m]")]
 Length = Annotated[float, Meta(gt=0.0, le=10.0, description="[m]")]
 Share = Annotated[float, Meta(ge=0.0, le=1.0, description="0..1")]
 Part = Annotated[float, Meta(ge=-1.01, le=1.01, description="of a unit quaternion")]
-Speed = Annotated[float, Meta(ge=-100.0, le=100.0, description="[m/s] or [rad/s]")]
+Speed = Annotated[float, Meta(ge=-MAX_SPEED, le=MAX_SPEED, description="[m/s] or [rad/s]")]
 Pressure = Annotated[float, Meta(ge=0.0, le=1e6, description="[Pa]")]
 Force = Annotated[float, Meta(ge=0.0, le=1e3, description="[N]")]
 Frequency = Annotated[float, Meta(ge=0.0, le=20_000.0, description="[Hz]")]

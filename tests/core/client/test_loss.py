@@ -71,6 +71,12 @@ def test_nobody_there_is_told_at_once() -> None:
         emergency_stop(nobody(), timeout=FOREVER)
 
 
+def test_a_server_without_its_bus_is_told(server: Fake) -> None:
+    server.deaf = True  # otherwise its answer may come first
+    with pytest.raises(pc.ConnectionLost, match="If it is, it restarts its bus process: try again"):
+        pc.Client(replace(server.connection, command=nobody().command), timeout=FOREVER)
+
+
 def test_a_wrong_token_is_told(server: Fake) -> None:
     with pytest.raises(pc.ConnectionLost, match="token or key"):
         pc.Client(replace(server.connection, token="x" * 64))

@@ -1,5 +1,7 @@
 """Plots of scenes and solutions show the right data."""
 
+import errno
+import os
 import sys
 from io import BytesIO
 from pathlib import Path
@@ -237,6 +239,25 @@ def test_a_file_that_cannot_be_is_refused(
         plot.save(plot.figure(), tmp_path / name, colours)
     assert told.value.argument == argument
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("name", "colours"), [("a.png", None), ("a.png", 16), ("a.pdf", None), ("a.svg", None)]
+)
+def test_a_picture_that_cannot_be_written_leaves_an_earlier_one(
+    name: str, colours: int | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(number: int) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    file = tmp_path / name
+    plot.save(plot.figure(), file, colours)
+    before = file.read_bytes()
+    monkeypatch.setattr(os, "fsync", fail)
+    with pytest.raises(OSError, match=f"No space left.*{name}"):
+        plot.save(plot.figure(2.0, 2.0), file, colours)
+    assert file.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [file]
 
 
 def test_a_figure_has_a_size() -> None:

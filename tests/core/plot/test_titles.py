@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 
 from pacinian import plot
+from pacinian.devices.description import DeviceDescription
+from pacinian.plot.boards import boards
 from pacinian.plot.page import make_printable, set_title
 
 DEVICE = '[[boards]]\nserial = "A$\\\\x$7"\nlayout = { type = "grid", columns = 2, rows = 2 }\n'
@@ -27,6 +29,17 @@ NO_LOCALE = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
 )
 def test_text_is_printable(text: str, shown: str) -> None:
     assert make_printable(text) == shown
+
+
+def test_the_title_of_boards_is_not_cut_off(tmp_path: Path) -> None:
+    file = tmp_path / f"{'a long name ' * 30}.toml"[-200:]
+    file.write_text(DEVICE)
+    page = boards(DeviceDescription.load(file), file.name)
+    page.draw_without_rendering()
+    (title,) = page.texts
+    box = title.get_window_extent()
+    assert title.get_text().endswith("4 transducers")
+    assert page.bbox.x0 <= box.x0 < box.x1 <= page.bbox.x1
 
 
 @pytest.mark.parametrize("title", ["a\udce4b.toml", "a\ud800b", r"a$\x$b", "$", "$$", "{\\", "%"])

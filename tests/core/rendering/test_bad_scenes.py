@@ -94,8 +94,8 @@ def test_what_is_too_fast_has_no_known_velocity() -> None:
 
 def test_a_mesh_that_was_nothing_at_first_gets_a_whole_skin() -> None:
     mesh, track = icosphere(2, 0.032), HandTrack()
-    assert track.at(skin(mesh, 0.0), 0.0) == (None, 0.0)
-    hand, share = track.at(skin(mesh), 0.001)
+    assert track.update(skin(mesh, 0.0), 0.0) == (None, 0.0)
+    hand, share = track.update(skin(mesh), 0.001)
     assert hand is not None
     assert share == 1.0
     assert len(get_skin(hand)) > 100

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -855,4 +856,31 @@ def test_a_missing_device_file_is_told_with_the_scene_file_and_the_key(tmp_path:
     file = tmp_path / "scene.toml"
     file.write_text('array = { type = "device", file = "none.toml" }')
     with pytest.raises(pc.SceneFileError, match=r"scene\.toml: \$\.array: .*none\.toml"):
+        pc.load_scene_file(file)
+
+
+SIDES = {"width": 0.05, "height": 0.05}
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no named pipes")
+@pytest.mark.parametrize(
+    ("name", "item"),
+    [
+        ("a.npy", {"type": "surface", "shape": {"type": "height-map", **SIDES}}),
+        ("a.npy", {"type": "volume", "shape": {"type": "voxels", "pitch": 0.01}}),
+        ("a.png", {"type": "surface", "shape": {"type": "rectangle", **SIDES},
+                   "texture": {"size": [0.05, 0.05]}}),
+    ],
+    ids=["height map", "voxels", "texture"],
+)  # fmt: skip
+def test_a_pipe_in_place_of_an_array_is_refused(
+    name: str, item: dict[str, Any], tmp_path: Path
+) -> None:
+    """To open it would wait for a writer."""
+    os.mkfifo(tmp_path / name)
+    part = "texture" if "texture" in item else "shape"
+    made = {**item, part: {**item[part], "file": name}, "radiation_pressure": 5.0}
+    file = tmp_path / "scene.json"
+    file.write_text(json.dumps({"objects": [made]}))
+    with pytest.raises(pc.SceneFileError, match=rf"\.{part}: .*it is not there, or not a file"):
         pc.load_scene_file(file)

@@ -131,7 +131,7 @@ class Hand:
         return cls(joints, radii, side=side, **given)
 
     def transform(self, pose: Pose) -> Hand:
-        """Return this hand rotated about the world's origin, with its velocities, and shifted, by `pose`.
+        """Return this hand, rotated about the world's origin and then shifted by `pose`. Its velocities are rotated.
 
         Raises ArgumentError.
         """

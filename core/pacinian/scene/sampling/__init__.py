@@ -10,7 +10,8 @@ Where
     posed_skin.py             `PosedSkin`: a hand's skin where it is now; what is near, pressed, or beside
     sample_sources.py         objects without a hand; points, paths and particles that touch one
     spacing.py                distance between samples of any object: a wavelength or more; closer in regions, contacts
-    array_resolution.py       resolution of the array by place; how much of its sound reaches skin of some orientation
+    array_resolution.py       resolution of the array by place, and textures that it blurs; how much of its sound
+                              reaches skin of some orientation
     small_region_spacing.py   closer samples for small regions
     textured_samples.py       samples on the outlines of a texture, and silent ones where it is 0
     silent_samples.py         silent samples beside touched regions, against spill of pressure

@@ -14,6 +14,7 @@ from pacinian.errors import PointOnTransducer
 if TYPE_CHECKING:
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
+    from pacinian.scene.objects import Object
     from pacinian.types import Floats
 
 LEVEL_RATIO = math.sqrt(2.0)  # ratio of the spacings of one level and the next finer one
@@ -54,6 +55,17 @@ class ArrayResolution:
         A ridge and the gap beside it each need one distance from a focus to its first null.
         """
         return 2.0 * self._compute(place)[1]
+
+    def find_blurring_period(self, item: Object, place: tuple[float, float, float]) -> float:
+        """Return `compute_period` at `place` [m] if the object's texture is finer and therefore blurs; otherwise 0.
+
+        Raises ArgumentError if the texture's file cannot be read.
+        """
+        texture = getattr(item, "texture", None)
+        if texture is None:
+            return 0.0
+        resolved = self.compute_period(place)
+        return resolved if texture.period < resolved else 0.0
 
     def _compute(self, place: tuple[float, float, float]) -> tuple[float, float]:
         """Return the sample spacing and the resolution at `place` [m]."""

@@ -18,15 +18,15 @@ if TYPE_CHECKING:
     from pacinian.scene.hands.skin import Skin
     from pacinian.types import Floats
 
-# A lost hand stays for HOLD_TIME, and then fades within FADE_TIME [s]
-HOLD_TIME, FADE_TIME = 0.05, 0.1
-# Largest distance of a blended hand from where it was seen that is ignored [m]
+HOLD_TIME = 0.05  # time for which a lost hand stays [s]
+LOST_HAND_FADE_TIME = 0.1  # time in which it then fades [s]
+# A blended hand at most this far from where it was seen counts as being there [m]
 MAX_IGNORED_DISTANCE = 5e-4
 
 
 def is_gone(hand: Hand, t: float) -> bool:
     """Return whether a hand that is new at time t [s] is not there: it is lost, or was measured too long ago."""
-    return hand.lost or (hand.time is not None and t - hand.time >= HOLD_TIME + FADE_TIME)
+    return hand.lost or (hand.time is not None and t - hand.time >= HOLD_TIME + LOST_HAND_FADE_TIME)
 
 
 class HandTrack:
@@ -42,12 +42,13 @@ class HandTrack:
         self._seen = -np.inf
         self._offset: Floats | None = None
         self._since = 0.0
-        self._touchable: PosedSkin | None = None
+        self._posed_skin: PosedSkin | None = None
 
-    def at(self, hand: Hand, t: float, ahead: float = 0.0) -> tuple[Hand | None, float]:
+    def update(self, hand: Hand, t: float, ahead: float = 0.0) -> tuple[Hand | None, float]:
         """Return the hand at time t [s], or None if it is gone, and the factor on its pressures, 0..1.
 
-        ahead: how far t lies in the future, in which nobody can have seen the hand yet [s].
+        A hand that returns counts fully at once; ramps.py makes it rise. hand: its newest update, or the same one as in
+        the last call. ahead: how far t lies in the future, in which nobody can have seen the hand yet [s].
         """
         if hand is not self._given and not (self._given is not None and hand.same(self._given)):
             before, self._given = self._given, hand
@@ -60,19 +61,20 @@ class HandTrack:
             return None, 0.0
         self._seen, self._since = min(self._seen, t), min(self._since, t)  # time may jump back
         late = 0.0 if hand.time is None and not hand.lost else t - ahead - self._seen - HOLD_TIME
-        share = min(1.0, 1.0 - late / FADE_TIME)
+        share = min(1.0, 1.0 - late / LOST_HAND_FADE_TIME)
         if share <= 0.0:
             self._last = None
             return None, 0.0
         return self._blend_hand(last, t), share
 
     def pose_skin(self, hand: Hand) -> PosedSkin:
-        """Return the posed skin of a hand from `at`; the previous one if the hand has not moved."""
-        if self._touchable is None or self._touchable.hand is not hand:
-            kind = self._touchable
-            same = kind is not None and kind.hand.faces is hand.faces
-            self._touchable = PosedSkin(hand, kind.skin if kind and same else self._skin)
-        return self._touchable
+        """Return the posed skin of a hand from `update`; the previous one if the hand has not moved."""
+        before = self._posed_skin
+        if before is not None and before.hand is hand:
+            return before
+        same = before is not None and before.hand.faces is hand.faces
+        self._posed_skin = PosedSkin(hand, before.skin if before and same else self._skin)
+        return self._posed_skin
 
     def pose_seen(self, skin: PosedSkin, t: float) -> PosedSkin:
         """Return the skin where the last update puts it at time t [s], without the blend. skin: from `pose_skin`."""

@@ -56,8 +56,8 @@ class PressureRamps:
             return asked
         self._asked = asked
         if (asked.capsules is None) is not (self._last.capsules is None):
-            # A solve for skin cannot make what fades in free air: it would drive the array fully to press on normals
-            # that face away. Only the slew-rate limit then softens the end.
+            # A solve for skin cannot produce samples that fade in free air: it would drive the array fully to press on
+            # normals that face away. Only the slew-rate limit then softens the end.
             self._last = no_samples()
         # part of a full ramp that this tick covers
         share = seconds / self.ramp * (1.0 + RAMP_TOLERANCE)
@@ -92,7 +92,7 @@ class PressureRamps:
 
 
 def _with(asked: Samples, going: Samples) -> Samples:
-    """Join the targets and the fading samples. Objects that have left the scene follow the scene's."""
+    """Join the targets and the fading samples. Objects that have left the scene are appended to the scene's objects."""
     items = asked.items
     extra: list[Object] = []
     used, objects = np.unique(going.objects, return_inverse=True)

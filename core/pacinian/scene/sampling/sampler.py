@@ -321,7 +321,7 @@ class Sampler:
         self._hands = tracks
         there: list[tuple[PosedSkin, float]] = []
         for hand in scene.hands:
-            now, share = tracks[hand.name].at(hand, t, self._ahead)
+            now, share = tracks[hand.name].update(hand, t, self._ahead)
             if now is None:
                 self.skipped[HANDS_LOST] += 1
                 counts.note_hand(HAND_LOST, hand.name)
@@ -374,8 +374,12 @@ class Sampler:
         self, sources: list[tuple[SampleSource, float]], counts: SampleCounts
     ) -> None:
         """Note the objects whose texture the array cannot resolve, and those without a surface."""
+        resolving = self._resolving
         for source, _ in sources:
-            if self._find_unresolved(source.item, source.place) > 0.0:
+            if (
+                resolving is not None
+                and resolving.find_blurring_period(source.item, source.place) > 0.0
+            ):
                 counts.note_object(TOO_FINE, source.index)
             if isinstance(source, WholeObject) and lacks_surface(source.item):
                 counts.note_object(NO_SURFACE, source.index)
@@ -386,19 +390,14 @@ class Sampler:
         Yields the index of each, the period of its texture, and the shortest period that the array resolves there [m].
         Raises ArgumentError if a texture's file cannot be read.
         """
+        if self._resolving is None:
+            return
         for i, item in enumerate(scene.objects):
-            if (resolved := self._find_unresolved(item, item.pose.position)) > 0.0:
+            resolved = self._resolving.find_blurring_period(item, item.pose.position)
+            if resolved > 0.0:
                 assert isinstance(item, Body)
                 assert item.texture is not None
                 yield i, item.texture.period, resolved
-
-    def _find_unresolved(self, item: Object, place: tuple[float, float, float]) -> float:
-        """Return the shortest period that the array resolves at `place`, if the texture is finer, else 0 [m]."""
-        texture = getattr(item, "texture", None)
-        if texture is None or self._resolving is None:
-            return 0.0
-        resolved = self._resolving.compute_period(place)
-        return resolved if texture.period < resolved else 0.0
 
     def _compute_spacing(self, item: Object, place: tuple[float, float, float]) -> float:
         """Return the spacing of an object's samples at `place` [m]."""

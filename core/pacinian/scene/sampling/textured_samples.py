@@ -1,8 +1,9 @@
 """Samples of a textured surface: on the outlines of what presses, and silent ones where its texture is 0.
 
-If samples where the texture is 0 counted as much as the others, the pressure would rise half inside an outline and half
-outside: a mask of 30 mm had holes along its edge. Outlines therefore have samples of full pressure, and samples beyond
-are silent. This would fill narrow gaps, such as those of a grating. Textures that have many of these stay as they are.
+The pressure shall be full up to an outline, and fall outside. Outlines therefore have samples of full pressure, and
+samples beyond are silent. Without this, the pressure would rise half inside an outline and half outside: a mask of
+30 mm had holes along its edge. The samples on outlines would fill narrow gaps, such as those of a grating. A texture
+with many narrow gaps therefore keeps its samples.
 """
 
 from __future__ import annotations
@@ -27,9 +28,8 @@ FULL = 0.9  # share of the factor of a sample that counts as full
 MIN_GAP = 5.5  # width of the smallest gap whose outline has samples: twice the resolution
 # Smallest share of the outlines of wide gaps among all outlines of a mask. Letters have more, gratings less.
 MIN_WIDE_SHARE = 0.55
-MIN_FREE_SHARE = (
-    0.5  # radius in which nothing presses around the middle of a wide gap, over half of its width
-)
+# Radius around the middle of a wide gap in which nothing presses, relative to half of MIN_GAP.
+MIN_FREE_SHARE = 0.5
 MIN_OUTLINE_SPACING = 0.5  # smallest distance between two samples on an outline
 MIN_SILENT_DISTANCE = 0.7  # smallest distance of a silent sample from one that presses
 MAX_SMOOTH = 0.25  # largest factor beside a place with factor 0, over the texture's largest one, that is no step

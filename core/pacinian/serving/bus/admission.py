@@ -22,8 +22,8 @@ ERROR_RATE = 10.0
 class BusSession:
     """The bus's record of a session. number: makes names unique.
 
-    peer: its connection, from its first message on. objects, bytes: of what it has put. commands, errors, dropped:
-    counts. age: of its newest command [s].
+    peer: the connection that claimed it; empty before its first message. objects, bytes: of what it has put. commands,
+    errors, dropped: counts. age: of its newest command [s].
     """
 
     def __init__(self, info: SessionInfo, number: int) -> None:
@@ -36,8 +36,8 @@ class BusSession:
         self._clock = ClockOffsetEstimator()
         self._telling = TokenBucket(ERROR_RATE)
 
-    def owns(self, peer: bytes, user: str) -> bool:
-        """Whether `peer` is the first connection that used the session, authenticated as its user."""
+    def claim(self, peer: bytes, user: str) -> bool:
+        """Bind the session to `peer` on the first call by its user; return whether it is bound to `peer`."""
         if not self.peer and user == self.info.user:
             self.peer = peer
         return peer == self.peer

@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import islice
 from typing import TYPE_CHECKING
 
-from pacinian.serving.bus.pending_changes import MOVED, WRAPPED
+from pacinian.serving.bus.pending_changes import MOVED, NEW_ENVELOPE
 from pacinian.serving.bus.stored_object import MAX_CONVERTED_AT_ONCE
 from pacinian.serving.ipc.messages import Changes, PutObject, RemoveObject, ResetScene, SetEnvelope
 
@@ -106,10 +106,10 @@ class ChangeBatcher:
             pending.known.add(name)
             if (move := stored.make_move()) is not None:
                 batch.changes.append(move)
-            if stored.wrapped and batch.fits(len(stored.wrapped)):
-                batch.changes.append(SetEnvelope(name, stored.wrapped))
-            elif stored.wrapped:
-                pending.note_changed(name, WRAPPED)
+            if stored.envelope and batch.fits(len(stored.envelope)):
+                batch.changes.append(SetEnvelope(name, stored.envelope))
+            elif stored.envelope:
+                pending.note_changed(name, NEW_ENVELOPE)
             batch.objects += 1
 
 
@@ -150,10 +150,10 @@ def _add_light_changes(scene: SharedScene, batch: Batch) -> None:
             pending.known.discard(name)
             batch.changes.append(RemoveObject(name))
         else:
-            if what & WRAPPED:
-                if not batch.fits(len(stored.wrapped)):
+            if what & NEW_ENVELOPE:
+                if not batch.fits(len(stored.envelope)):
                     return
-                batch.changes.append(SetEnvelope(name, stored.wrapped))
+                batch.changes.append(SetEnvelope(name, stored.envelope))
             if what & MOVED and (move := stored.make_move()) is not None:
                 batch.changes.append(move)
         del pending.light[name]

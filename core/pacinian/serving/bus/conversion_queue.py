@@ -95,7 +95,7 @@ class EnvelopeConversion(Job):
 
     def is_awaited(self, stored: StoredObject) -> bool:
         """Whether no newer envelope has arrived."""
-        return stored.wraps is self
+        return stored.envelope_job is self
 
     def work(self, most: float) -> Converted:
         """Convert the envelope. Raises WireError."""
@@ -104,14 +104,14 @@ class EnvelopeConversion(Job):
 
     def take(self, stored: StoredObject, packed: bytes) -> None:
         """Set the new envelope."""
-        stored.wrap(packed)
+        stored.set_envelope(packed)
         self._changed(stored.name)
 
     def fail(self) -> None:
         """Keep the old envelopes."""
         for stored in self.objects:
             if self.is_awaited(stored):
-                stored.wrap(stored.wrapped)
+                stored.set_envelope(stored.envelope)
 
 
 class Converter:

@@ -128,7 +128,7 @@ class CommandDispatcher:
         if client is None:
             problem = "no session has that key: say hello first"
             self._refuse(peer, data, "session", problem, now, "$.session")
-        elif not client.owns(peer, user):
+        elif not client.claim(peer, user):
             self._log.warning("replayed: a session's key was used on another connection", user=user)
             problem = "the session belongs to another connection: say hello on this connection"
             self._refuse(peer, data, "session", problem, now, "$.session")

@@ -6,15 +6,15 @@ one for each object that the renderer still has.
 
 from __future__ import annotations
 
-MOVED, WRAPPED, REMOVED = 1, 2, 4  # flags: what changed in an object that the renderer has
+MOVED, NEW_ENVELOPE = 1, 2  # flags: what changed in an object of the scene that the renderer has
 
 
 class PendingChanges:
     """Names by kind of change.
 
-    light: changed objects that the renderer has. puts: objects that it lacks, in order; True if it must first remove
-    another of that name. known: all objects that it has. begin, hands, quiet: whether these changed. superseded: number
-    of updates that were superseded before they were sent.
+    light: changed objects that the renderer has, with flags; 0 for removed ones. puts: objects that it lacks, in order;
+    True if it must first remove another of that name. known: all objects that it has. begin, hands, quiet: whether
+    these changed. superseded: number of updates that were superseded before they were sent.
     """
 
     def __init__(self) -> None:
@@ -55,7 +55,7 @@ class PendingChanges:
         self.superseded += self.puts.pop(name, None) is not None
         if name in self.known:
             self.superseded += name in self.light
-            self.light[name] = REMOVED
+            self.light[name] = 0
 
     def note_hands(self) -> None:
         """Note that the hands changed."""

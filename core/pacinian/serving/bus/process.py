@@ -25,7 +25,7 @@ from pacinian.serving.bus.dispatcher import CommandDispatcher
 from pacinian.serving.bus.field_queries import EmittedGains
 from pacinian.serving.bus.warmup import warm_up
 from pacinian.serving.ipc import parent_link, scheduling
-from pacinian.serving.ipc.auth import Authenticator, receive
+from pacinian.serving.ipc.auth import ClientAuthenticator, receive
 from pacinian.serving.ipc.logs import RateLimitedLog, configure
 from pacinian.serving.ipc.memory_trim import trim_memory
 from pacinian.serving.ipc.messages import (
@@ -204,9 +204,11 @@ def open_bus(settings: Settings, folder: Path, secrets: dict[str, str]) -> Gener
         wake = open_wake_pipe(folder, "bus")
         stack.callback(wake.close)
         context: zmq.Context[zmq.Socket[bytes]] = stack.enter_context(zmq.Context())
-        authenticator = stack.enter_context(Authenticator(context, secrets, settings.security.keys))
+        authenticator = stack.enter_context(
+            ClientAuthenticator(context, secrets, settings.security.keys)
+        )
         socket = stack.enter_context(context.socket(zmq.ROUTER))
-        authenticator.protect(socket, settings.clients.max_command_bytes)
+        authenticator.configure_socket(socket, settings.clients.max_command_bytes)
         socket.router_mandatory = False  # replies to a closed connection are dropped
         network = settings.network
         try:

@@ -12,7 +12,7 @@ import msgspec
 from pacinian.errors import WireError
 from pacinian.serving.bus.client_hands import TrackedHands, track_hands
 from pacinian.serving.bus.conversion_queue import EnvelopeConversion, ObjectConversion
-from pacinian.serving.bus.pending_changes import MOVED, WRAPPED, PendingChanges
+from pacinian.serving.bus.pending_changes import MOVED, NEW_ENVELOPE, PendingChanges
 from pacinian.serving.bus.stored_object import (
     MAX_CONVERTED_AT_ONCE,
     MIN_HEAVY_BYTES,
@@ -201,7 +201,7 @@ class SharedScene:
         more: Counter[BusSession] = Counter()
         for stored in stored_objects:
             more[stored.owner] += size - (
-                stored.waits if heavy else len(stored.wrapped) + stored.waits
+                stored.waits if heavy else len(stored.envelope) + stored.waits
             )
         if any(owner.bytes + bytes_ > MAX_CLIENT_BYTES for owner, bytes_ in more.items()):
             raise reject_full("$.names")
@@ -211,17 +211,17 @@ class SharedScene:
                 stored_objects, client, ident, command.envelope, self._note_envelope
             )
             for stored in stored_objects:
-                stored.wrap(stored.wrapped, job, size)
+                stored.set_envelope(stored.envelope, job, size)
             self._converter.queue(job)
         else:
             for stored in stored_objects:
-                stored.wrap(envelope)
+                stored.set_envelope(envelope)
                 self._note_envelope(stored.name)
         self._require_all(command.names)
         return not heavy
 
     def _note_envelope(self, name: str) -> None:
-        self.pending.note_changed(name, WRAPPED)
+        self.pending.note_changed(name, NEW_ENVELOPE)
 
     def _find_stored(self, names: tuple[str, ...]) -> Iterator[tuple[int, StoredObject]]:
         for i, name in enumerate(names):

@@ -37,18 +37,13 @@ if TYPE_CHECKING:
 MAX_FOCAL_AREA = 1e-3
 # Size of an object's bulk data from which its conversion takes more than 0.1 ms [bytes].
 MIN_HEAVY_BYTES = 1 << 11
-MAX_CONVERTED_AT_ONCE = (
-    16  # largest number of objects that are converted in a row while commands wait
-)
+# Largest number of objects that are converted in a row while commands wait.
+MAX_CONVERTED_AT_ONCE = 16
 # Types of shapes that are slow to convert at any size.
 SLOW = Mesh, Voxels, HeightMap, Placed, Union, Intersection, Difference
 MAX_OBJECT_BYTES = CAPACITIES["changes"] * 5 // 8  # maximum size of one encoded object [bytes]
-# Maximum coordinate [m]; maximum speed [m/s] or [rad/s]; tolerance of a quaternion's length.
-MAX_COORDINATE, MAX_SPEED, UNIT_TOLERANCE = (
-    10.0,
-    100.0,
-    0.01,
-)
+MAX_SPEED = 100.0  # maximum speed [m/s], [rad/s]
+UNIT_TOLERANCE = 0.01  # tolerance of a quaternion's length
 SCALARS = {float, int, str, bool, type(None)}
 POSE, VELOCITY, VECTOR = struct.Struct("<7f"), struct.Struct("<6f"), struct.Struct("<3f")
 
@@ -61,8 +56,9 @@ class StoredObject:
 
     Until the object is converted, `size` includes its share of the message. number: counts all objects. sent: as it was
     put. seen: when it was put; until: when it expires; by the server's clock [s]. moved: pose, velocities or none, time
-    [s]. wrapped: the last envelope, encoded. wraps: pending conversion of the newest envelope; waits: its size [bytes].
-    slow: whether it takes long to convert. placed: whether it counts towards its owner's limits.
+    [s]. envelope: the last one, encoded; empty if it was never set. envelope_job: pending conversion of the newest
+    envelope; waits: its size [bytes]. slow: whether the object takes long to convert. placed: whether it counts towards
+    its owner's limits.
     """
 
     def __init__(self, name: str, item: Object, owner: BusSession, seen: float) -> None:
@@ -73,8 +69,8 @@ class StoredObject:
         self.default = item.technique is None
         self.until = None if item.duration is None else seen + item.duration
         self.moved: tuple[bytes, bytes, float] | None = None
-        self.wrapped = b""
-        self.wraps: object = None
+        self.envelope = b""
+        self.envelope_job: object = None
         self.waits = 0
         shape = item.shape if isinstance(item, (Surface, Volume)) else None
         self.slow = isinstance(shape, SLOW) or self.size > MIN_HEAVY_BYTES
@@ -92,7 +88,7 @@ class StoredObject:
     def accept(self, packed: bytes) -> None:
         """Store the encoded object."""
         self.packed, self.item = packed, None
-        more = len(packed) + len(self.wrapped) + self.waits + count_bulk_bytes(self.sent)
+        more = len(packed) + len(self.envelope) + self.waits + count_bulk_bytes(self.sent)
         self.grow(more - self.size)
 
     def grow(self, more: int) -> None:
@@ -101,14 +97,14 @@ class StoredObject:
         if self.placed:
             self.owner.bytes += more
 
-    def wrap(self, envelope: bytes, wraps: object = None, waits: int = 0) -> None:
-        """Set the envelope. wraps: conversion of a newer one, of `waits` bytes; it is only compared."""
-        self.grow(len(envelope) + waits - len(self.wrapped) - self.waits)
-        self.wrapped, self.wraps, self.waits = envelope, wraps, waits
+    def set_envelope(self, envelope: bytes, job: object = None, waits: int = 0) -> None:
+        """Set the encoded envelope. job: conversion of a newer one, of `waits` bytes; it is only compared."""
+        self.grow(len(envelope) + waits - len(self.envelope) - self.waits)
+        self.envelope, self.envelope_job, self.waits = envelope, job, waits
 
     def leave(self) -> None:
         """Note that the object was removed, so that nothing more is converted for it."""
-        self.item = self.wraps = None
+        self.item = self.envelope_job = None
 
     def encode_pose(self) -> bytes:
         """Return the last known pose: x, y, z [m], quaternion x, y, z, w, (7,) float32."""

@@ -19,7 +19,7 @@ from pacinian.wire.protocol import MAX_CONTROL_BYTES
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from pacinian.serving.ipc.auth import Authenticator
+    from pacinian.serving.ipc.auth import ClientAuthenticator
     from pacinian.serving.settings import Network
     from pacinian.wire.stop_datagram import StopSocket
 
@@ -53,7 +53,7 @@ class ControlSockets(Closeable):
     def __init__(
         self,
         context: zmq.Context[zmq.Socket[bytes]],
-        authenticator: Authenticator,
+        authenticator: ClientAuthenticator,
         network: Network,
         stop: StopSocket,
     ) -> None:
@@ -65,8 +65,8 @@ class ControlSockets(Closeable):
         with contextlib.ExitStack() as stack:
             self._control = stack.enter_context(context.socket(zmq.ROUTER))
             self._state = stack.enter_context(context.socket(zmq.PUB))
-            authenticator.protect(self._control, MAX_CONTROL_BYTES)
-            authenticator.protect(self._state, MAX_SUBSCRIPTION_BYTES)
+            authenticator.configure_socket(self._control, MAX_CONTROL_BYTES)
+            authenticator.configure_socket(self._state, MAX_SUBSCRIPTION_BYTES)
             self._control.rcvhwm = MAX_WAITING_REQUESTS
             self._state.sndhwm = MAX_WAITING_STATES
             self._monitors = [

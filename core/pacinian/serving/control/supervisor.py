@@ -26,8 +26,7 @@ END_ORDER = "render", "bus", "guard"
 MAX_FIRST_HEARTBEAT_TIME = 120.0
 # Time after which the log names a process that has not sent its first heartbeat [s].
 SLOW_START_TIME = 10.0
-# Time limit for the first heartbeat of a spare that takes over a device that may sound, if the spare has not waited for
-# long [s].
+# Time limit for the first heartbeat of a spare that takes over soon after its start, while the device may sound [s].
 MAX_SOUNDING_START_TIME = 5.0
 # Delay from the end of a process to its restart: first, and largest value. It doubles each time [s].
 MIN_RESTART_DELAY, MAX_RESTART_DELAY = 0.05, 5.0
@@ -188,26 +187,23 @@ class Supervisor:
             return ""
         spare = self._spare if child.name == GUARD else None
         if spare is not None and spare.process.poll() is None:
-            child.process, self._spare, self._spare_due = spare.process, None, child.due
-            loaded = now - spare.started > BACKOFF_RESET_TIME
-            # the device of the last guard may sound meanwhile
-            young = (
-                max(self._hang_timeout, MAX_SOUNDING_START_TIME)
-                if child.sounded
-                else MAX_FIRST_HEARTBEAT_TIME
-            )
-            child.start_limit = self._hang_timeout if loaded else young
+            child.process = spare.process
+            self._spare, self._spare_due = None, child.due
+            if now - spare.started > BACKOFF_RESET_TIME:  # it has loaded everything
+                child.start_limit = self._hang_timeout
+            elif child.sounded:  # the device of the last guard may sound meanwhile
+                child.start_limit = max(self._hang_timeout, MAX_SOUNDING_START_TIME)
+            else:
+                child.start_limit = MAX_FIRST_HEARTBEAT_TIME
             child.process.activate()
         elif now < child.due:
             return ""
         else:
             try:
-                child.process, child.start_limit = (
-                    self._start_child(child.name, 0),
-                    MAX_FIRST_HEARTBEAT_TIME,
-                )
+                child.process = self._start_child(child.name, 0)
             except (OSError, ServerError) as error:
                 return f"could not be started: {error}"
+            child.start_limit = MAX_FIRST_HEARTBEAT_TIME
         child.started, child.due, child.heard = now, None, self._watched.seconds
         child.named = child.sounded = False
         child.restarts += 1

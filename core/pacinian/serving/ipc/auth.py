@@ -55,7 +55,7 @@ def make_secrets(settings: Settings) -> dict[str, str]:
     }
 
 
-class Authenticator:
+class ClientAuthenticator:
     """Authenticates clients by the secrets. A context manager; enter it before any socket is bound.
 
     given: the secrets from `make_secrets`. keys: the folder of keys. A change of its folder `clients` applies from the
@@ -72,7 +72,7 @@ class Authenticator:
         self._lock = threading.Lock()
         self._unknown: list[str] = []
 
-    def __enter__(self) -> Authenticator:
+    def __enter__(self) -> ClientAuthenticator:
         self._zap.start()
         if token := self._secrets.get("token"):
             self._zap.rules.configure_plain(DOMAIN, {USER: token})
@@ -83,8 +83,8 @@ class Authenticator:
     def __exit__(self, *_: object) -> None:
         self._zap.stop()
 
-    def protect(self, socket: zmq.Socket[Any], longest: int) -> None:
-        """Set all options that a socket needs before `bind`. longest: limit on a message [bytes].
+    def configure_socket(self, socket: zmq.Socket[Any], longest: int) -> None:
+        """Set all options of a socket, its authentication included, before `bind`. longest: limit on a message [bytes].
 
         `rcvbuf` stays at the system's default: 16 KiB halved the throughput of one client.
         """
@@ -134,7 +134,7 @@ class Authenticator:
         return seen
 
     def _read_client_keys(self) -> dict[bytes, str]:
-        """Return the names of the clients by their public keys; nobody's if the folder cannot be read."""
+        """Return the names of the clients by their public keys; empty if the folder cannot be read."""
         try:
             files = sorted(self._clients.glob("*.key"))
         except OSError:
@@ -186,7 +186,9 @@ def make_key_pair(folder: str | Path, name: str, *, server: bool = False) -> tup
     if not name or len(name) > 64 or not all(c.isalnum() or c in "-_" for c in name):
         raise ArgumentError("name", f"must be letters, digits, - and _, not {name!r}")
     if not server and name == "server":
-        raise ArgumentError("name", 'cannot be "server": that is the server\'s own')
+        raise ArgumentError(
+            "name", 'cannot be "server", which is the name of the server\'s own keys'
+        )
     root = Path(folder)
     public = (root if server else root / "clients") / f"{name}.key"
     secret = root / f"{name}.key_secret"

@@ -40,9 +40,8 @@ class HangDetector:
     def __init__(self, limit: float) -> None:
         self._limit = limit
         self._watched = WatchedTime(-math.inf)
-        self._heartbeat = self._heard = (
-            0.0  # the last heartbeat, and the time watched until then [s]
-        )
+        self._heartbeat = 0.0  # the last one [s]
+        self._heard = 0.0  # time watched until it came [s]
 
     def detect_hang(self, heartbeat: float, sound: bool, now: float) -> bool:
         """Check the last `heartbeat` [s] at `now` [s]; return whether the guard hangs.

@@ -58,8 +58,7 @@ class ZapThread:
                 if asked in events:
                     answer = self.rules.handle_zap_message(asked.recv_multipart())
                     try:
-                        answer.send(
-                            None
-                        )  # it waits for nothing, because our rules are no coroutines
+                        # it finishes at once, because our rules are not coroutines
+                        answer.send(None)
                     except StopIteration:
                         continue

@@ -12,7 +12,7 @@ from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.errors import shorten
 from pacinian.region_numbers import BESIDE
 from pacinian.rendering.zone_limit import TOO_COARSE
-from pacinian.scene.sampling.hand_tracking import FADE_TIME, HOLD_TIME
+from pacinian.scene.sampling.hand_tracking import HOLD_TIME, LOST_HAND_FADE_TIME
 from pacinian.scene.sampling.sample_counts import label_object
 from pacinian.serving.render.touch_report import find_touches
 
@@ -114,7 +114,7 @@ def _extrapolate(hand: Hand, t: float) -> Hand | None:
     if hand.lost or hand.time is None:
         return None if hand.lost else hand
     age = max(t - hand.time, 0.0)
-    return None if age >= HOLD_TIME + FADE_TIME else hand.extrapolate(min(age, HOLD_TIME))
+    return None if age >= HOLD_TIME + LOST_HAND_FADE_TIME else hand.extrapolate(min(age, HOLD_TIME))
 
 
 def _count_ticks(ticks: Floats) -> bytes:

@@ -22,7 +22,7 @@ from pacinian.scene.modulation.technique import STM
 from pacinian.scene.motion import Motion
 from pacinian.scene.objects import Particles, Path
 from pacinian.scene.sampling.array_resolution import ArrayResolution, weigh_incidence
-from pacinian.scene.sampling.hand_tracking import FADE_TIME, HOLD_TIME
+from pacinian.scene.sampling.hand_tracking import HOLD_TIME, LOST_HAND_FADE_TIME
 from pacinian.scene.sampling.posed_skin import PosedSkin
 from pacinian.scene.sampling.sampler import SamplingMode
 from pacinian.scene.shapes.csg import Difference, Intersection, Placed, Union
@@ -503,8 +503,8 @@ def test_a_lost_hand_is_felt_for_a_moment_and_then_fades() -> None:
     )
     assert forces[times < 1.0 + HOLD_TIME - 0.002] == pytest.approx(seen)
     assert (np.diff(forces) <= 1e-12).all()
-    assert np.diff(forces).min() >= -1.01 * seen * 0.001 / FADE_TIME
-    assert (forces[times > 1.002 + HOLD_TIME + FADE_TIME] == 0.0).all()
+    assert np.diff(forces).min() >= -1.01 * seen * 0.001 / LOST_HAND_FADE_TIME
+    assert (forces[times > 1.002 + HOLD_TIME + LOST_HAND_FADE_TIME] == 0.0).all()
 
 
 SECOND = 1.0  # when it begins [s]

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.scene.hands.hand import Hand
-from pacinian.scene.sampling.hand_tracking import FADE_TIME, HOLD_TIME, HandTrack
+from pacinian.scene.sampling.hand_tracking import HOLD_TIME, LOST_HAND_FADE_TIME, HandTrack
 from pacinian.scene.sampling.pose_prediction import BLEND_TIME, MAX_BLENDED_ERROR
 
 bounded = settings(max_examples=60)
@@ -27,7 +27,7 @@ def lost(**given: Any) -> Hand:
 
 def palm(track: HandTrack, hand: Hand, t: float) -> float:
     """Return the palm's x [m]."""
-    now, _ = track.at(hand, t)
+    now, _ = track.update(hand, t)
     assert now is not None
     assert now.joints is not None
     return float(now.joints[0, 0])
@@ -79,8 +79,8 @@ def test_a_lost_hand_stays_and_then_fades(timed: bool) -> None:
     track = HandTrack()
     x = palm(track, moved(0.0, time=0.5 if timed else None), 0.5)
     gone, shares = lost(), []
-    for t in np.arange(0.5, 0.5 + HOLD_TIME + FADE_TIME + 0.02, TICK):
-        now, share = track.at(gone, t)
+    for t in np.arange(0.5, 0.5 + HOLD_TIME + LOST_HAND_FADE_TIME + 0.02, TICK):
+        now, share = track.update(gone, t)
         shares.append(share)
         if now is None:
             assert share == 0.0
@@ -89,7 +89,7 @@ def test_a_lost_hand_stays_and_then_fades(timed: bool) -> None:
             assert now.joints[0, 0] == x
     held = round(HOLD_TIME / TICK)
     assert shares[:held] == [1.0] * held
-    assert np.diff(shares).min() >= -TICK / FADE_TIME - 1e-9
+    assert np.diff(shares).min() >= -TICK / LOST_HAND_FADE_TIME - 1e-9
     assert (np.diff(shares) <= 0.0).all()
     assert shares[-1] == 0.0
     assert not track.can_move(1.0)
@@ -98,10 +98,12 @@ def test_a_lost_hand_stays_and_then_fades(timed: bool) -> None:
 def test_a_hand_that_stayed_long_before_it_was_lost_stays_as_long() -> None:
     track = HandTrack()
     palm(track, moved(0.0), 0.0)  # then no call, because nothing changed
-    assert track.at(lost(), 10.0)[1] == 1.0
-    assert track.at(lost(), 10.0 + 0.9 * HOLD_TIME)[1] == 1.0
-    assert track.at(lost(), 10.0 + HOLD_TIME + FADE_TIME / 2.0)[1] == pytest.approx(0.5)
-    assert track.at(lost(), 10.0 + HOLD_TIME + FADE_TIME + TICK)[0] is None
+    assert track.update(lost(), 10.0)[1] == 1.0
+    assert track.update(lost(), 10.0 + 0.9 * HOLD_TIME)[1] == 1.0
+    assert track.update(lost(), 10.0 + HOLD_TIME + LOST_HAND_FADE_TIME / 2.0)[1] == pytest.approx(
+        0.5
+    )
+    assert track.update(lost(), 10.0 + HOLD_TIME + LOST_HAND_FADE_TIME + TICK)[0] is None
 
 
 def test_a_hand_that_is_lost_for_one_frame_stays() -> None:
@@ -110,7 +112,7 @@ def test_a_hand_that_is_lost_for_one_frame_stays() -> None:
     hands[2] = lost(time=0.02)
     for i, hand in enumerate(hands):
         for t in 0.01 * i + TICK * np.arange(10):
-            now, share = track.at(hand, t)
+            now, share = track.update(hand, t)
             assert share == 1.0
             assert now is not None
             assert now.joints is not None
@@ -119,27 +121,27 @@ def test_a_hand_that_is_lost_for_one_frame_stays() -> None:
 
 def test_a_hand_whose_updates_stop_coming_fades_too() -> None:
     track, hand = HandTrack(), moved(0.0, time=1.0)
-    assert track.at(hand, 1.0 + 0.9 * HOLD_TIME)[1] == 1.0
-    assert 0.0 < track.at(hand, 1.0 + HOLD_TIME + FADE_TIME / 2.0)[1] < 1.0
-    assert track.at(hand, 1.0 + HOLD_TIME + FADE_TIME + TICK) == (None, 0.0)
+    assert track.update(hand, 1.0 + 0.9 * HOLD_TIME)[1] == 1.0
+    assert 0.0 < track.update(hand, 1.0 + HOLD_TIME + LOST_HAND_FADE_TIME / 2.0)[1] < 1.0
+    assert track.update(hand, 1.0 + HOLD_TIME + LOST_HAND_FADE_TIME + TICK) == (None, 0.0)
 
 
 def test_a_hand_without_a_time_stays_for_ever() -> None:
     track, hand = HandTrack(), moved(0.0)
-    assert track.at(hand, 0.0) == track.at(hand, 1e6) == (hand, 1.0)
+    assert track.update(hand, 0.0) == track.update(hand, 1e6) == (hand, 1.0)
     assert not track.can_move(1e6)
 
 
 def test_a_hand_that_comes_back_is_where_it_is() -> None:
     track = HandTrack()
     palm(track, moved(0.0), 0.0)
-    assert track.at(lost(), 1.0)[1] == 1.0
-    assert track.at(lost(), 2.0) == (None, 0.0)
+    assert track.update(lost(), 1.0)[1] == 1.0
+    assert track.update(lost(), 2.0) == (None, 0.0)
     assert palm(track, moved(0.01), 2.001) == pytest.approx(0.01)
 
 
 def test_a_hand_that_was_never_seen_is_not_there() -> None:
-    assert HandTrack().at(lost(), 0.0) == (None, 0.0)
+    assert HandTrack().update(lost(), 0.0) == (None, 0.0)
 
 
 @given(times=st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=12), d=st.floats(-0.03, 0.03))
@@ -155,28 +157,28 @@ def test_whatever_time_does_a_hand_is_between_where_it_was_and_is(times: Any, d:
 def test_after_time_jumped_back_a_lost_hand_fades_all_the_same() -> None:
     track = HandTrack()
     palm(track, moved(0.0), 1e6)
-    assert track.at(lost(), 5.0)[1] == 1.0
-    assert track.at(lost(), 5.0 + HOLD_TIME + FADE_TIME + TICK)[0] is None
+    assert track.update(lost(), 5.0)[1] == 1.0
+    assert track.update(lost(), 5.0 + HOLD_TIME + LOST_HAND_FADE_TIME + TICK)[0] is None
 
 
 def test_a_hand_given_as_a_mesh_does_not_jump_either() -> None:
     box = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)]) * [0.08, 0.18, 0.03]
     faces = [[0, 1, 2], [2, 1, 3], [4, 6, 5], [6, 7, 5]]
     track = HandTrack()
-    track.at(Hand(vertices=box, faces=faces), 0.0)
+    track.update(Hand(vertices=box, faces=faces), 0.0)
     hand = Hand(vertices=box + 0.01, faces=faces)
     for t, share in ((TICK, 1.0), (TICK + BLEND_TIME / 2.0, 0.5), (TICK + BLEND_TIME, 0.0)):
-        now, _ = track.at(hand, t)
+        now, _ = track.update(hand, t)
         assert now is not None
         assert now.vertices == pytest.approx(box + 0.01 * (1.0 - share))
 
 
 def test_a_hand_that_does_not_move_keeps_its_skin_where_it_is() -> None:
     track, hand = HandTrack(), moved(0.0)
-    now, _ = track.at(hand, 0.0)
+    now, _ = track.update(hand, 0.0)
     assert now is not None
     first = track.pose_skin(now)
     assert track.pose_skin(now) is first
-    after, _ = track.at(moved(0.01), TICK)
+    after, _ = track.update(moved(0.01), TICK)
     assert after is not None
     assert track.pose_skin(after).skin is first.skin

@@ -57,10 +57,10 @@ def test_errors_are_counted_and_those_not_asked_for_are_told_now_and_then() -> N
 
 def test_a_session_is_of_the_connection_that_used_it_first_and_of_its_user() -> None:
     who = client()
-    assert not who.owns(b"x", "somebody else")
-    assert who.owns(b"a", "pacinian")
-    assert who.owns(b"a", "pacinian")
-    assert not who.owns(b"b", "pacinian")
+    assert not who.claim(b"x", "somebody else")
+    assert who.claim(b"a", "pacinian")
+    assert who.claim(b"a", "pacinian")
+    assert not who.claim(b"b", "pacinian")
 
 
 def test_connections_send_at_their_rate_and_only_so_many_are_remembered() -> None:

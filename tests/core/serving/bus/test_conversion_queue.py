@@ -179,7 +179,7 @@ def test_a_long_wave_is_converted_elsewhere_and_the_newest_envelope_wins() -> No
     for k in range(1, 21):
         assert not do(room, who, wave_of(("a", "b"), 20_000 + k, k))
         assert len(room._converter) == 1
-        assert not room.objects["a"].wrapped
+        assert not room.objects["a"].envelope
         assert who.bytes == sum(thing.size for thing in room.objects.values()) > 160_000
     do(room, who, wrap(("b",), 0.25))
     assert [reply for _, reply in converted(room)] == [Ok(id=k) for k in range(1, 21)]
@@ -200,7 +200,7 @@ def test_a_long_wave_that_cannot_be_meant_leaves_the_envelope_there_was() -> Non
     room, who = room_of(), client()
     do(room, who, put({"a": point()}))
     do(room, who, wrap(("a",), 0.25))
-    before = room.objects["a"].wrapped, who.bytes
+    before = room.objects["a"].envelope, who.bytes
     command = wave_of(("a",), 5000, 3)
     force_setattr(command.envelope, "samples", bytes(4 * 5000 + 1))
     do(room, who, command)
@@ -208,8 +208,8 @@ def test_a_long_wave_that_cannot_be_meant_leaves_the_envelope_there_was() -> Non
     assert whose is who
     assert isinstance(error, Error)
     assert error.id == 3
-    assert (room.objects["a"].wrapped, who.bytes) == before
+    assert (room.objects["a"].envelope, who.bytes) == before
     with pytest.raises(CommandRejected, match="'no'"):  # the only answer
         do(room, who, wave_of(("a", "no"), 5000, 4))
     assert converted(room) == []
-    assert room.objects["a"].wrapped != before[0]
+    assert room.objects["a"].envelope != before[0]

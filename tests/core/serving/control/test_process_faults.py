@@ -21,7 +21,7 @@ from pacinian.errors import WireError
 from pacinian.serving.control import process as control_process
 from pacinian.serving.control.process import ControlLoop
 from pacinian.serving.control.sockets import ControlSockets
-from pacinian.serving.ipc.auth import Authenticator
+from pacinian.serving.ipc.auth import ClientAuthenticator
 from pacinian.serving.ipc.messages import DeviceStatus, RendererStatus, pack
 from pacinian.serving.ipc.scheduling import URGENT
 from pacinian.serving.settings import Network, Settings
@@ -418,7 +418,7 @@ def test_news_of_a_crowd_do_not_pile_up(tmp_path: Path) -> None:
     """If the events are not fetched, ZeroMQ's own thread blocks, and with it all heartbeats."""
     with (
         zmq.Context() as context,
-        Authenticator(context, {"token": "x"}) as gate,
+        ClientAuthenticator(context, {"token": "x"}) as gate,
         StopSocket(tmp_path / "stop", "x") as stop,
         ControlSockets(context, gate, Network(), stop) as doors,
         context.socket(zmq.PAIR) as news,

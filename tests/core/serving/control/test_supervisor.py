@@ -6,6 +6,7 @@ import contextlib
 import itertools
 import math
 import os
+import re
 import signal
 import socket
 import subprocess
@@ -43,6 +44,7 @@ if TYPE_CHECKING:
 
 posix = pytest.mark.skipif(os.name != "posix", reason="signals")
 NAMES = "guard", "bus", "render"
+UNIT = Path(__file__).parents[4] / "packaging" / "pacinian.service"
 LOOK = 0.02  # time between two checks [s]
 
 CHILD = """
@@ -84,13 +86,16 @@ serve(settings, lambda path: print("ready", path, flush=True), start)
 
 
 class Fake:
-    """A process that only has an exit code. log: all calls of all fakes."""
+    """A process that only has an exit code. log: all calls of all fakes. clock: shows how long they are waited for."""
 
     pid = 7
 
-    def __init__(self, name: str, log: list[tuple[str, str]], stubborn: bool = False) -> None:
-        self.name, self.log, self.stubborn = name, log, stubborn
+    def __init__(
+        self, name: str, log: list[tuple[str, str]], clock: ManualClock, stubborn: bool = False
+    ) -> None:
+        self.name, self.log, self.clock, self.stubborn = name, log, clock, stubborn
         self.held = False  # whether the system keeps it alive even after a kill
+        self.late = False  # whether it is still alive when the wait for its end is over
         self.code: int | None = None
 
     def poll(self) -> int | None:
@@ -110,7 +115,10 @@ class Fake:
         self.log.append(("wait", self.name))
         if self.code is None and (self.stubborn or self.held):
             assert timeout is not None, "it would wait for ever"
-            raise subprocess.TimeoutExpired(self.name, timeout or 0.0)
+            self.clock.advance(timeout)
+            if self.late and ("kill", self.name) in self.log:
+                self.code = -9
+            raise subprocess.TimeoutExpired(self.name, timeout)
         self.code = self.code or 0
         return self.code
 
@@ -132,7 +140,7 @@ class Watch:
     def _start(self, name: str, spare: int) -> Fake:
         if self.error is not None:
             raise self.error
-        self.started.append(Fake(name, self.log, name in self.stubborn))
+        self.started.append(Fake(name, self.log, self.clock, name in self.stubborn))
         return self.started[-1]
 
     def check(self, sound: bool = False, **beats: float) -> list[tuple[str, str]]:
@@ -472,6 +480,44 @@ def test_if_the_device_may_still_sound_at_the_end_that_is_an_error(why: str) -> 
     assert all(fake.code is not None for fake in watch.started if fake is not guard)
 
 
+def read_unit(key: str) -> float:
+    """Return a time of the systemd unit [s]."""
+    found = re.search(rf"^{key}=(\d+)$", UNIT.read_text(), re.MULTILINE)
+    assert found is not None
+    return float(found[1])
+
+
+@pytest.mark.parametrize("late", [False, True])
+def test_systemd_waits_until_the_server_has_ended_its_processes(late: bool) -> None:
+    watch, guard, _ = with_spare()
+    for fake in watch.started:
+        fake.stubborn = fake.held = True
+    guard.late = late  # then the spare has to open the device
+
+    def has_device(_: float) -> bool:
+        watch.clock.advance(1.0)
+        return False
+
+    begin = watch.clock.time
+    with pytest.raises(ServerError, match="may still sound"):
+        watch.supervisor.end(has_device)
+    assert watch.log.count(("kill", "spare")) == 1
+    assert watch.clock.time - begin <= 0.75 * read_unit("TimeoutStopSec")
+
+
+def test_systemd_waits_until_a_process_that_starts_too_slowly_is_named() -> None:
+    watch = Watch(stubborn=NAMES)
+    watch.supervisor.trusted = False
+    begin = watch.clock.time
+    with pytest.raises(ServerError, match="did not start"):
+        watch.look(1.1 * MAX_FIRST_HEARTBEAT_TIME, **dict.fromkeys(NAMES, 0.0))
+    for fake in watch.started:
+        fake.held = True
+    watch.supervisor.end()
+    loading = 20.0  # of the server's own modules [s]
+    assert loading + watch.clock.time - begin <= read_unit("TimeoutStartSec")
+
+
 def test_a_young_spare_that_takes_over_sound_has_not_long_to_begin() -> None:
     watch, guard, spare = with_spare()
     watch.check(sound=True)
@@ -572,7 +618,7 @@ def test_if_one_cannot_be_started_those_before_are_ended() -> None:
     def start(name: str, spare: int) -> Fake:
         if name == "render":
             raise OSError("no memory")
-        return Fake(name, log)
+        return Fake(name, log, ManualClock())
 
     with pytest.raises(OSError, match="no memory"):
         Supervisor(start, 1.0)
