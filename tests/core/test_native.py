@@ -75,7 +75,7 @@ def test_what_is_no_number_is_noticed_in_every_variant(variant: str, what: str) 
         gains[0, 37] = wrong
     last, out = np.zeros(100, np.complex64), np.empty((2, 100), np.complex64)
     loudest = np.zeros(1, np.float32)
-    kernels(variant).rendering.follow(gains, np.inf, 1, 1.0, True, False, loudest, last, out)
+    kernels(variant).rendering.follow(gains, np.inf, 1, 1.0, True, 0, False, loudest, last, out)
     assert np.isfinite(out).all()
 
 

@@ -41,12 +41,13 @@ def look_up(q: Floats, size: float, cells: Longs, known: Floats, out: Floats, mi
     without a value, (M,): ((x + LARGEST) SIDE + y + LARGEST) SIDE + z + LARGEST for the cell (x, y, z).
     """
 
-def follow(gains: Gains, step: float, span: int, growth: float, align: bool, settled: bool, loudest: Singles, last: Gains, out: Gains) -> bool:
+def follow(gains: Gains, step: float, span: int, growth: float, align: bool, phases: int, settled: bool, loudest: Singles, last: Gains, out: Gains) -> bool:
     """
     Write rows, (K, N), that go from `last`, (N,), towards `gains`, (K, N) or (1, N) for all rows.
 
     step: how far a gain may move from row to row, over the loudest. span: rows over which the way is spread, at least.
-    growth: of what is asked until it is loudest. settled: whether `last` was its gains. loudest: gain of late, (1,),
+    growth: of what is asked until it is loudest. align: turn the gains to `last`; by whole levels of phase, if `phases` is
+    their number; 0 for any angle. settled: whether `last` was its gains. loudest: gain of late, (1,),
     forgotten slowly while the gains are reached. `last` becomes the last row; what is not a number becomes 0.
     Returns whether the last row is its gains.
     """

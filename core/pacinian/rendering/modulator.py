@@ -48,6 +48,8 @@ class Modulator:
     def __init__(self, times: Floats, gap: float, smoothing: Smoothing, columns: int) -> None:
         self.switches = False
         """Whether square waves have vertical edges, because the device's transducers are only on or off."""
+        self.phases = 0
+        """Number of the device's phase levels, if solutions are turned by whole levels; 0 for any angle."""
         self.smoother = GainSmoother(smoothing, columns)
         self._smoothing, self._jumps = smoothing, replace(smoothing, rate=None)
         self.place_in_cycle = 0, 1
@@ -174,7 +176,7 @@ class Modulator:
         else:
             self._slots, self.smoother.settings = [], settings
             span = 1 if settings.rate is None else self._span
-            self.smoother.follow(carriers, self._gap, self._smooth, span, play.growth)
+            self.smoother.follow(carriers, self._gap, self._smooth, span, play.growth, self.phases)
         self._span -= len(self.times)
         self._followed = solved
 
@@ -205,7 +207,8 @@ class Modulator:
             slot.smoother.settings = settings
             span = 1 if settings.rate is None else slot.span
             row = self._smooth[n : n + 1]
-            slot.smoother.follow(carriers[k : k + 1], count * self._gap, row, span, play.growth)
+            gap = count * self._gap
+            slot.smoother.follow(carriers[k : k + 1], gap, row, span, play.growth, self.phases)
             slot.span -= 1
         ended = not play.cycle and all(
             slot.solved is solved[0] and slot.smoother.settled for slot in self._slots

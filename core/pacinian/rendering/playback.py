@@ -101,12 +101,12 @@ class Playback:
 
         play, inputs, ticks: as for `follow`, which the caller has called. limits: that the gains keep.
         """
+        power, zones = limits.power is not None, bool(limits.zones)
+        self.modulator.phases = self.capability.phases if zones else 0
         rows = self.modulator.make_rows(play, t, ticks)
         self._steering.steer(rows, t)
-        power = limits.power is not None
-        whole = bool(limits.zones)  # envelopes of parts that cancel in the zones may add up to more
         self._frame = self._quantiser.make_frame(
-            rows, find_ceiling(limits), sequence, due, power, whole
+            rows, find_ceiling(limits), sequence, due, power, zones
         )
         self._made = inputs
         return self._frame
@@ -132,7 +132,9 @@ class Playback:
     def quantise_gains(self, gains: Gains, limits: Limits) -> Gains:
         """Return gains, (N,), as rounded by the device."""
         power = limits.power is not None
-        return self._quantiser.quantise_gains(gains, find_ceiling(limits), power)
+        return self._quantiser.quantise_gains(
+            gains, find_ceiling(limits), power, bool(limits.zones)
+        )
 
     def quantise_frames(self, play: SolutionSequence, limits: Limits) -> Gains:
         """Return the gains of what is played in turn, steered and rounded by the device, (K, N)."""

@@ -12,6 +12,8 @@ if TYPE_CHECKING:
     from pacinian.types import Gains, Levels, Singles
 
 SURE = 1.0 / 256.0  # amplitudes this close to a level are always rounded to it [levels]
+# Number of amplitude levels from which quiet zones are better kept without dither. With fewer, weak gains would be 0.
+MIN_UNDITHERED_LEVELS = 64
 PARTS = 4096  # entries of the lookup table from amplitude, 0..1, to the level where a search starts
 
 
@@ -40,7 +42,7 @@ class Quantiser:
         for levels in self._shown:
             levels.flags.writeable = False
         self._dither = np.tile(dither_thresholds(columns), rows)
-        self._none = np.zeros_like(self._dither)
+        self._none, self._half = np.zeros_like(self._dither), np.full_like(self._dither, 0.5)
         turns = np.arange(capability.phases) / capability.phases
         self._unit = np.exp(2j * np.pi * turns).astype(np.complex64)
         self._size = capability.sizes.copy()  # kernels need a writable array
@@ -53,36 +55,44 @@ class Quantiser:
         sequence: int,
         time: float,
         down: bool = False,
-        whole: bool = False,
+        zones: bool = False,
     ) -> Frame:
         """Return the frame for gains, (K, N), due at `time` [s], with no amplitude above `ceiling`, the gain limit.
 
-        down: round amplitudes down, so that a power limit is kept, too. whole: scale down all gains of a row of which
-        any is above `ceiling`, in place, so that quiet zones stay quiet; otherwise only those gains are clipped.
+        down: round amplitudes down, so that a power limit is kept, too. zones: whether quiet zones must stay quiet.
+        Then amplitudes are rounded to the nearest level without dither, which adds less sound, if there are enough
+        levels. All gains of a row of which any is above `ceiling` are scaled down, in place, because envelopes of parts
+        that cancel in the zones may add up to more; otherwise only those gains are clipped.
         """
-        if whole:
+        if zones:
             gains /= np.maximum(np.abs(gains).max(axis=1, keepdims=True) / ceiling, 1.0)
-        self._round(
-            gains.reshape(-1), ceiling, down, self._phase.reshape(-1), self._amplitude.reshape(-1)
-        )
+        phase, amplitude = self._phase.reshape(-1), self._amplitude.reshape(-1)
+        self._round(gains.reshape(-1), ceiling, self._choose(down, zones), phase, amplitude)
         return Frame(sequence, time, *self._shown)
 
-    def quantise_gains(self, gains: Gains, ceiling: float, down: bool = False) -> Gains:
+    def quantise_gains(
+        self, gains: Gains, ceiling: float, down: bool = False, zones: bool = False
+    ) -> Gains:
         """Return gains, (N,), as rounded by the device. Threads may call this at the same time."""
         from pacinian.native import rendering as kernels
 
         phase, amplitude = np.zeros((2, len(gains)), dtype=np.uint16)
         made = np.zeros(len(gains), dtype=np.complex64)
-        self._round(gains, ceiling, down, phase, amplitude)
+        self._round(gains, ceiling, self._choose(down, zones), phase, amplitude)
         kernels.dequantise(phase, amplitude, self._unit, self._size, made)
         return made
 
+    def _choose(self, down: bool, zones: bool) -> Singles:
+        """Return the thresholds for rounding amplitudes up, see `dither_thresholds`."""
+        nearest = zones and len(self._size) >= MIN_UNDITHERED_LEVELS
+        return self._none if down else self._half if nearest else self._dither
+
     def _round(
-        self, g: Gains, ceiling: float, down: bool, phase: Levels, amplitude: Levels
+        self, g: Gains, ceiling: float, threshold: Singles, phase: Levels, amplitude: Levels
     ) -> None:
         from pacinian.native import rendering as kernels
 
-        can, threshold = self.capability, self._none if down else self._dither
+        can = self.capability
         top, highest = len(self._size) - 1, can.highest(ceiling)
         if self._inverse is None:
             kernels.quantise(g, can.phases, top, highest, threshold, phase, amplitude)

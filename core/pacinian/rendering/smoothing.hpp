@@ -11,8 +11,8 @@ constexpr f4 SHORT = 1.0f - 4.76837158203125e-7f;  // 1 - 2^-21: factor on gains
 constexpr f4 HUGE_GAIN = 1e30f;
 constexpr f4 FORGETS = 16.0f;  // decay time of `loudest` over its rise time, so that vibration counts at its peak
 
-inline bool follow(View<const c8, 2> gains, f4 step, i8 span, f4 growth, bool align, bool settled, View<f4, 1> loudest, View<c8, 1> last,
-                   View<c8, 2> out) {
+inline bool follow(View<const c8, 2> gains, f4 step, i8 span, f4 growth, bool align, i8 phases, bool settled, View<f4, 1> loudest,
+                   View<c8, 1> last, View<c8, 2> out) {
     const Index N = last.size(), K = out.shape[0];
     require(gains.shape[0] > 0 && gains.shape[1] == N && out.shape[1] == N && loudest.size() == 1, "follow: the shapes differ");
     bool reached = settled;
@@ -35,6 +35,12 @@ inline bool follow(View<const c8, 2> gains, f4 step, i8 span, f4 growth, bool al
                 const f4 length = 1.0f / std::sqrt(re * re + im * im);
                 ur = re * length;
                 ui = im * length;
+                if (phases > 0) {
+                    const double circle = 6.283185307179586, levels = static_cast<double>(phases);
+                    const double turn = circle * std::nearbyint(levels * std::atan2(ui, ur) / circle) / levels;
+                    ur = static_cast<f4>(std::cos(turn));
+                    ui = static_cast<f4>(std::sin(turn));
+                }
             }
         }
         f4 most = 1.0f;  // largest fraction of the way to g
@@ -77,10 +83,11 @@ inline void define_smooth(nb::module_& m) {
     kernel(m, "follow", &follow,
            "Write rows, (K, N), that go from `last`, (N,), towards `gains`, (K, N) or (1, N) for all rows.\n\n"
            "step: how far a gain may move from row to row, over the loudest. span: rows over which the way is spread, at least.\n"
-           "growth: of what is asked until it is loudest. settled: whether `last` was its gains. loudest: gain of late, (1,),\n"
+           "growth: of what is asked until it is loudest. align: turn the gains to `last`; by whole levels of phase, if `phases` is\n"
+           "their number; 0 for any angle. settled: whether `last` was its gains. loudest: gain of late, (1,),\n"
            "forgotten slowly while the gains are reached. `last` becomes the last row; what is not a number becomes 0.\n"
            "Returns whether the last row is its gains.",
-           "gains", "step", "span", "growth", "align", "settled", "loudest", "last", "out");
+           "gains", "step", "span", "growth", "align", "phases", "settled", "loudest", "last", "out");
 }
 
 }  // namespace pacinian::rendering

@@ -60,13 +60,15 @@ class GainSmoother:
         self._follow = kernels.follow
 
     def follow(
-        self, gains: Gains, seconds: float, out: Gains, span: int = 1, growth: float = 1.0
-    ) -> None:
+        self, gains: Gains, seconds: float, out: Gains, span: int = 1, growth: float = 1.0, phases: int = 0
+    ) -> None:  # fmt: skip
         """Write the next rows of output to `out`, (K, N), for target `gains`, (K, N), or (1, N) for all rows.
 
         gains: complex64, contiguous, without envelopes, because intended vibration must not be smoothed.
         seconds: from row to row [s]. span: rows over which to spread a change evenly; more if the limit binds.
         growth: factor by which the gains will still grow while they fade in; the limit is relative to the final gains.
+        phases: number of the device's phase levels, if gains are to be turned by whole levels, so that they are rounded
+        as before they were turned; 0 for any angle.
         No |out_n| exceeds the larger of |gains_n| and that of the previous row.
         Raises ArgumentError.
         """
@@ -77,7 +79,7 @@ class GainSmoother:
         step = math.inf if rate is None else rate * seconds
         align, settled = self.settings.align, self.settled
         self.settled = self._follow(
-            gains, step, span, growth, align, settled, self._loudest, self.gains, out
+            gains, step, span, growth, align, phases, settled, self._loudest, self.gains, out
         )
 
     def rest(self) -> None:

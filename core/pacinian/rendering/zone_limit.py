@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from pacinian.solving.quiet_subspace import UNSEEN_FACTOR
+import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -19,8 +19,10 @@ if TYPE_CHECKING:
     from pacinian.types import Gains
 
 TOO_COARSE = "the device's levels are too coarse for the quiet zones"
+# Factors on all gains for which the rounded gains are evaluated: ramps and envelopes give gains any strength.
+STRENGTHS = np.linspace(1.0, 0.04, 25, dtype=np.float32)
 MAX_TRIES = 6  # largest number of factors that are tried before silence
-AIM = 0.8  # loudness for which a factor is chosen, relative to the limit
+AIM = 0.9  # loudness for which a factor is chosen, relative to the limit
 
 
 def keep_zones_quiet(
@@ -29,14 +31,15 @@ def keep_zones_quiet(
     """Return a solution, scaled down if its rounded gains would be louder in the zones than their limits.
 
     round_gains: returns gains, (N,), as rounded by the device. The zones are searched for their loudest places, see
-    `QuietSubspace.measure_excess`; the factor on what is found there allows for louder ones.
+    `QuietSubspace.measure_excess`.
     """
     factor, scaled = 1.0, made
     for attempt in range(MAX_TRIES):
-        loudness = UNSEEN_FACTOR * zones.measure_excess(round_gains(scaled.gains))
+        rounded = np.stack([round_gains(a * scaled.gains) for a in STRENGTHS])
+        loudness = zones.measure_excess(rounded)
         if loudness <= 1.0:
             return scaled
-        # The sound that rounding adds falls more slowly than the gains, by their square root if levels are dithered.
+        # The sound that rounding adds falls more slowly than the gains, unless only phases are rounded.
         factor *= (AIM / loudness) ** (2.0 if attempt else 1.0)
         scaled = _scale(made, factor)
     return _scale(made, 0.0)

@@ -129,20 +129,22 @@ class QuietSubspace:
         return max(0.0, UNSEEN_FACTOR * self.measure_excess(g) - 1.0)
 
     def measure_excess(self, g: Complexes) -> float:
-        """Return the highest ratio of sound pressure to limit that is found in the zones, for gains (N,).
+        """Return the highest ratio of sound pressure to limit that is found in the zones.
 
-        It climbs from the loudest of WATCHED_PLACES places, which takes about a millisecond. Rounding makes
-        speckle, whose highest peak may exceed the result by UNSEEN_FACTOR.
+        g: gains, (N,), or several, (S, N). It climbs from the loudest of WATCHED_PLACES places, for the loudest of
+        several gains, which takes about a millisecond. Rounding makes speckle, whose highest peak may exceed the result
+        by UNSEEN_FACTOR.
         """
-        single = np.asarray(g, np.complex64)
-        found = [
-            find_peak_nearby(
-                self.array, self.medium, single, zone, _watch(zone), np.abs(rows @ single)
+        several = np.atleast_2d(np.asarray(g, np.complex64))
+        found = [0.0]
+        for (zone, _, _), rows in zip(self.limits, self.watched, strict=True):
+            loud = np.abs(rows @ several.T)  # (K, S)
+            loudest = int(loud.max(axis=0, initial=0.0).argmax())
+            peak = find_peak_nearby(
+                self.array, self.medium, several[loudest], zone, _watch(zone), loud[:, loudest]
             )
-            / zone.pressure
-            for (zone, _, _), rows in zip(self.limits, self.watched, strict=True)
-        ]
-        return max(found, default=0.0)
+            found.append(peak / zone.pressure)
+        return max(found)
 
 
 def call_unrecorded(function: Callable[[], float]) -> float:

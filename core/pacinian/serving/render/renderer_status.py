@@ -88,13 +88,14 @@ def _make_sample_fields(renderer: Renderer, hands: list[Hand]) -> dict[str, Any]
 def _describe_zones(renderer: Renderer) -> dict[str, Any]:
     """Return a status if quiet zones silence the output, or are louder than their limit, and why."""
     quiet_subspace, solution = renderer.session.propagator.quiet_subspace, renderer.solution
-    if quiet_subspace is None:
+    if quiet_subspace is None or not renderer.played.rows:
         return {}
     gains = renderer.cycle_gains
     limited = any(one.limited_in_zones for one in renderer.played.rows)
     if limited and not gains.any():
         return {"status": f"silent: {TOO_COARSE}. {FINER}"}
-    loudest = max(map(quiet_subspace.measure_excess, gains), default=0.0)
+    rows = renderer.last_frame.gains(renderer.backend.capability)  # with envelopes
+    loudest = quiet_subspace.measure_excess(np.concatenate([gains, rows]))
     if loudest <= 1.0:
         return {}
     rounded = solution is not None and quiet_subspace.bound_excess(solution.gains) <= 1.0

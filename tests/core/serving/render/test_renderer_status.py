@@ -196,7 +196,7 @@ def test_zones_that_are_too_loud_are_reported_and_rounding_is_blamed_only_for_wh
 
 
 def test_a_device_that_is_too_coarse_for_a_zone_is_named_as_the_cause_of_silence() -> None:
-    zone = pc.Zone((0.08, 0.0, 0.2), pressure=0.5, radius=0.02)
+    zone = pc.Zone((0.08, 0.0, 0.2), pressure=5.0, radius=0.02)
     limits = pc.Limits(zones=(zone,))
     pc.solve(ARRAY, [A.position], [500.0], limits=limits)  # prepares the zone
     for amplitudes, silent in ((256, False), (2, True)):
