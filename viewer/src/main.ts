@@ -92,7 +92,7 @@ if (space) {
   const pointing = new Pointer(space, slicePlane, showHoverValue);
   new ContactMaps(store, new SkinPlane(send), space);
   new FieldPanel(space, slicePlane, surfaceBox, scales, store);
-  const showScale = (): void => scaleBar(space.scale.most, space.slice.of, space.law, space.slice.over);
+  const showScale = (): void => scaleBar(space.scale.most, space.slice.quantity, space.law, space.slice.average);
   space.onScale(showScale); // also while no slices come, because the field does not change
   store.onBeat("slice", () => {
     element("bar").hidden = false;
@@ -101,8 +101,8 @@ if (space) {
   });
   store.onBeat("state", () => scaleSamples(space.samples.most));
   store.on("array", (array) => {
-    if (array.fields && slicePlane.on) slicePlane.ask();
-    if (array.fields && surfaceBox.on) surfaceBox.ask();
+    if (array.fields && slicePlane.shown) slicePlane.ask();
+    if (array.fields && surfaceBox.shown) surfaceBox.ask();
   });
   window.pacinian = shown(store, space, slicePlane, surfaceBox);
 }

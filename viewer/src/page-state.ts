@@ -17,8 +17,8 @@ export interface Shown {
   readonly hands: number;
   readonly objects: Record<string, { type: string; position: number[]; drawn: boolean }>;
   readonly samples: { position: number[]; asked: number; achieved: number }[];
-  readonly slice: { of: Quantity; over: Over; centre: Triple; size: number[]; shape: number[]; pressure: number[] } | null;
-  readonly wanted: { axis: string; position: number; on: boolean; over: Over; follows: boolean; faces: boolean };
+  readonly slice: { quantity: Quantity; average: Over; centre: Triple; size: number[]; shape: number[]; pressure: number[] } | null;
+  readonly wanted: { axis: string; position: number; shown: boolean; average: Over; follows: boolean; faces: boolean };
   readonly surface: { triangles: number; level: number };
   readonly scale: number;
   /** Whether the achieved pressure is painted on the hands. */
@@ -79,17 +79,17 @@ export function shown(store: Store, space: Space, slicePlane: SlicePlane, surfac
       }));
     },
     get slice() {
-      const { plane, values, of, over } = space.slice;
+      const { plane, values, quantity, average } = space.slice;
       if (!plane) return null;
       const { centre, size, shape } = plane;
-      return { of, over, centre, size, shape, pressure: [...values] };
+      return { quantity, average, centre, size, shape, pressure: [...values] };
     },
     get wanted() {
-      const { axis, position, on, over, follows, faces } = slicePlane;
-      return { axis, position, on, over, follows, faces };
+      const { axis, position, average, follows, faces } = slicePlane;
+      return { axis, position, shown: slicePlane.shown, average, follows, faces };
     },
     get surface() {
-      return { triangles: surfaceBox.on ? space.surface.triangles : 0, level: space.level };
+      return { triangles: surfaceBox.shown ? space.surface.triangles : 0, level: space.level };
     },
     get painted() {
       return space.hands.painted;

@@ -9,6 +9,13 @@ import numpy as np
 
 from pacinian.acoustics.propagation import matrix
 from pacinian.solving.solution_status import Status
+from pacinian_lab.stress.promises import (
+    MAX_WORK,
+    TOLERANCE_MET,
+    TOLERANCE_PROVEN,
+    TOLERANCE_REACHED,
+    TOLERANCE_TIME,
+)
 from pacinian_lab.stress.region_checks import find_split_regions
 
 if TYPE_CHECKING:
@@ -18,10 +25,6 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes
     from pacinian_lab.stress.case import Case
 
-ALLOWANCE = 1.0  # [s] after the deadline, because the machine may do other work
-MET = 1e-3  # relative error at which exact samples and quiet points count as met
-PROVEN = 1e-6  # allowance for rounding in bounds, relative to ||amplitudes||^2 or the objective
-REACHED = 1e-4  # relative distance at which a limit counts as reached
 ROUNDING = 1e-4  # allowance at quiet points for single precision of B, relative to sum |B| |g|
 
 
@@ -58,12 +61,12 @@ def find_broken_promises(
     if case.scale == "max" and g.any():
         reached = [np.abs(g).max() / limits.gain] if limits.gain else []
         reached += [math.sqrt(power / limits.power)] if limits.power else []
-        if max(reached) < 1.0 - REACHED:
+        if max(reached) < 1.0 - TOLERANCE_REACHED:
             yield "strong", f"{max(reached):.5f} of the limit"
     yield from _check_points(case, solution, g)
     yield from find_split_regions(case, solution, g)
-    late = seconds - case.deadline * (1 + len(case.history)) - ALLOWANCE
-    if late > 0.0 and late > 10.0 * case.work:
+    late = seconds - case.deadline * (1 + len(case.history)) - TOLERANCE_TIME
+    if late > 0.0 and late > MAX_WORK * case.work:
         yield "late", f"{seconds:.2f} s of {case.deadline:g} s"
 
 
@@ -79,7 +82,7 @@ def _proof(case: Case, solution: Solution, g: Complexes) -> Iterator[tuple[str, 
     if math.isnan(true):  # the solution does not tell its mu
         true = solution.objective
     off = case.blur * float(np.linalg.norm(g))  # [Pa]
-    rounding = off * (rest + off) + PROVEN * max(true, case.targets.norm**2)
+    rounding = off * (rest + off) + TOLERANCE_PROVEN * max(true, case.targets.norm**2)
     if solution.bound > true + rounding or abs(solution.objective - true) > rounding:
         text = f"bound {solution.bound:.4g}, objective {solution.objective:.4g}"
         yield "bound", f"{text}, but {true:.4g} in double precision"
@@ -91,7 +94,7 @@ def _check_points(case: Case, solution: Solution, g: Complexes) -> Iterator[tupl
     if case.limits.quiet is not None and not (infeasible and case.limits.exact is not None):
         where, limit = case.limits.quiet
         B, most = matrix(case.array, where, case.medium), np.asarray(limit, dtype=np.float64)
-        allowed = (1.0 + MET) * most + ROUNDING * (np.abs(B) @ np.abs(g))  # (K,) [Pa]
+        allowed = (1.0 + TOLERANCE_MET) * most + ROUNDING * (np.abs(B) @ np.abs(g))  # (K,) [Pa]
         loud = np.abs(B @ g) - allowed
         if infeasible or (loud > 0.0).any():
             yield "quiet", f"{loud.max():.2g} Pa too loud, status {solution.status.name}"
@@ -99,5 +102,5 @@ def _check_points(case: Case, solution: Solution, g: Complexes) -> Iterator[tupl
         some = case.limits.make_exact_mask(len(case.points))
         asked = float(np.linalg.norm(case.targets.amplitudes[some]))
         missed = float(np.linalg.norm(solution.residual[some])) / (asked or 1.0)
-        if missed > MET:
+        if missed > TOLERANCE_MET:
             yield "exact", f"missed by {missed:.2g}"

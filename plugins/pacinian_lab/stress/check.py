@@ -11,9 +11,9 @@ import numpy as np
 
 from pacinian.errors import UnsupportedLimit
 from pacinian.solving.solution_status import Status
-from pacinian_lab.stress import promises
 from pacinian_lab.stress.answer_checks import find_broken_promises, measure_excess
 from pacinian_lab.stress.case import DEFAULT_DEADLINE
+from pacinian_lab.stress.promises import SILENCE, get_promise
 from pacinian_lab.stress.reference import CLOSED, Reference
 
 if TYPE_CHECKING:
@@ -57,11 +57,9 @@ def check(case: Case, solver: Solver) -> Evidence:
     seconds = case.clock() - begin
     if case.refused is not None:
         return Evidence(case.name, name, {"raises": f"no {case.refused.__name__}"})
-    broken, ratio, promise = (
-        dict(find_broken_promises(case, solution, seconds)),
-        math.nan,
-        promises.of(name),
-    )
+    broken = dict(find_broken_promises(case, solution, seconds))
+    promise = get_promise(name)
+    ratio = math.nan
     if len(case.points) <= promise.samples:
         if promise.answers and (missing := _check_answer(case, promise, solution, seconds)):
             broken["answers"] = missing
@@ -80,10 +78,8 @@ def _check_answer(case: Case, promise: Promise, solution: Solution, seconds: flo
     reached = (np.abs(case.B) > case.rounding).any(axis=1) & (case.targets.amplitudes > 0.0)
     if solution.gains.any() or not reached.any():
         return ""
-    ratio = compute_ratio(
-        case, promise.near or promises.SILENCE, solution
-    )  # is silence near the best?
-    return f"all gains are zero: {ratio:.3g}" if ratio > promises.SILENCE.factor else ""
+    ratio = compute_ratio(case, promise.near or SILENCE, solution)  # is silence near the best?
+    return f"all gains are zero: {ratio:.3g}" if ratio > SILENCE.factor else ""
 
 
 def _is_comparable(case: Case, near: Near, solution: Solution) -> bool:

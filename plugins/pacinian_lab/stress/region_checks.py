@@ -9,6 +9,13 @@ import numpy as np
 from pacinian.acoustics.propagation import matrix
 from pacinian.solving.region_phases import joint_phases
 from pacinian.solving.solution_status import Status
+from pacinian_lab.stress.promises import (
+    MAX_RMS,
+    MIN_FILLED,
+    TOLERANCE_FORCE,
+    TOLERANCE_PHASE,
+    TOLERANCE_SAMPLES,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -17,12 +24,9 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats
     from pacinian_lab.stress.case import Case
 
-AT_SAMPLES = 0.05  # maximum relative error of `ok` at samples; 10 % of the radiation pressure
-FORCE, RMS, HOLE = 0.05, 0.10, 0.5  # limits between the samples
 NEIGHBOURS = 1.5  # neighbours are within this many times the distance of the nearest sample
 ELSEWHERE = 1e-4  # [m]; samples closer than this count as one place
 ON = 2e-5  # [m]; places closer than this to a transducer are skipped
-TURNED = 1e-6  # [rad] phase error of double precision, besides the rounding of k d
 
 
 def find_split_regions(case: Case, solution: Solution, g: Complexes) -> Iterator[tuple[str, str]]:
@@ -54,7 +58,7 @@ def _together(case: Case, solution: Solution) -> Iterator[tuple[str, str]]:
         )  # fmt: skip
         turn = np.exp(1j * (asked[own] - wave))[free]
         off = float(np.abs(np.angle(turn * turn[0].conj())).max())
-        if off > TURNED:
+        if off > TOLERANCE_PHASE:
             yield "together", f"phases of region {number} are {off:.2g} rad off one wave"
 
 
@@ -68,7 +72,7 @@ def _check_even(case: Case, solution: Solution, g: Complexes) -> Iterator[tuple[
     doubt = case.blur * float(np.linalg.norm(g)) / float(np.linalg.norm(t))  # due to rounding
     asked = strength * case.targets.complex(np.angle(p))
     missed = float(np.linalg.norm(asked - p) / np.linalg.norm(t))
-    if missed > AT_SAMPLES + doubt:
+    if missed > TOLERANCE_SAMPLES + doubt:
         yield "even", f"{missed:.2%} off at the samples"
     unit = float(t.max())  # keeps squares from underflow and overflow
     for number in range(int(regions.max()) + 1):
@@ -81,8 +85,8 @@ def _check_even(case: Case, solution: Solution, g: Complexes) -> Iterator[tuple[
         made = np.abs(matrix(case.array, places, case.medium) @ g / unit) ** 2
         force = float(made.sum() / P.sum())
         rms = float(np.linalg.norm(made - P) / np.linalg.norm(P))
-        holes = int((made < (HOLE - 4.0 * doubt) * P).sum())
-        if abs(force - 1.0) > FORCE + 4.0 * doubt or rms > RMS + 4.0 * doubt or holes:
+        holes = int((made < (MIN_FILLED - 4.0 * doubt) * P).sum())
+        if abs(force - 1.0) > TOLERANCE_FORCE + 4.0 * doubt or rms > MAX_RMS + 4.0 * doubt or holes:
             text = f"force {force:.3f}, rms {rms:.3f}, {holes} holes of {len(P)}"
             yield "even", f"{text} between the samples of region {number}"
 

@@ -12,16 +12,15 @@ import numpy as np
 from pacinian.acoustics.air import Air
 from pacinian.plugins import registry
 from pacinian.solving.propagator import Propagator
-from pacinian_lab.stress import promises
 from pacinian_lab.stress.check import Evidence, check
 from pacinian_lab.stress.problem_parts import SMALL_ARRAY, scatter_points
+from pacinian_lab.stress.promises import TOLERANCE_GRAM, get_promise
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from pacinian_lab.stress.case import Case
 
-GRAM = 1e-6  # relative to the mean of the diagonal: one rounding of a sum in single precision
 HURRY = 0.03  # [s] deadline for solvers that promise nothing about the optimum
 MOVED = 8  # number of points that `drift` moves
 COMPARISONS = 20  # number of comparisons with a new propagator
@@ -63,7 +62,7 @@ def run(
         hurried = replace(case, deadline=min(case.deadline, HURRY))
         for solver in made:
             advance(f"{solver.name}, {case.name}")
-            found.append(check(case if promises.of(solver.name).near else hurried, solver))
+            found.append(check(case if get_promise(solver.name).near else hurried, solver))
     return found
 
 
@@ -121,6 +120,8 @@ def drift(updates: int) -> Evidence:
             worst = max(worst, float(np.abs(G - new.gram).max()) / new.power)
             if not np.array_equal(kept.B, new.B):
                 broken["drift"] = f"B differs after {n} moves"
-    if worst > GRAM:
+    if worst > TOLERANCE_GRAM:
         broken["drift"] = f"the Gram matrix is {worst:.2g} off"
-    return Evidence(f"moves: {updates} of single points", "propagator", broken, ratio=worst / GRAM)
+    return Evidence(
+        f"moves: {updates} of single points", "propagator", broken, ratio=worst / TOLERANCE_GRAM
+    )

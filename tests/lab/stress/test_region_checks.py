@@ -64,7 +64,7 @@ def test_the_residual_beside_counts_by_its_weight() -> None:
     case = CASES["with points beside"]
     solution = case.solve("lagrange")
     assert solution.quiet_weight < 0.1
-    promise = promises.of("lagrange").near
+    promise = promises.get_promise("lagrange").near
     assert promise is not None
     assert compute_ratio(case, promise, solution) <= promise.factor
     heavy = dataclasses.replace(solution, quiet_weight=1.0)

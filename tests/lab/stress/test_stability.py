@@ -128,7 +128,9 @@ def clarabel(case: Case) -> float:
     return scale * optimum(cp.norm(case.B @ g - p) / scale, keep)
 
 
-@pytest.mark.parametrize("solver", [s for s in SOLVERS if promises.of(s) is promises.LAGRANGE])
+@pytest.mark.parametrize(
+    "solver", [s for s in SOLVERS if promises.get_promise(s) is promises.LAGRANGE]
+)
 @pytest.mark.parametrize("level", [0.4, 1.2, 4.0])
 @pytest.mark.parametrize("spacing", [0.0, 1e-9, 1e-4, 1e-2])
 def test_the_residual_is_that_of_clarabel(solver: str, spacing: float, level: float) -> None:

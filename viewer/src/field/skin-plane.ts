@@ -14,7 +14,7 @@ const TURNS = Math.cos(0.1); // cosine of the angle by which a side may turn bef
 const CHECK_INTERVAL = 250; // shortest time between two checks [ms]
 
 export class SkinPlane {
-  on = true;
+  shown = true;
   /** The object whose contact the square shows. */
   object = "";
   /** The object that the user chose; empty for the one with the largest sum of targets. */
@@ -24,16 +24,16 @@ export class SkinPlane {
 
   constructor(private readonly send: (message: ToViewer) => void) {}
 
-  show(on: boolean): void {
-    this.on = on;
+  show(shown: boolean): void {
+    this.shown = shown;
     this.plane = undefined;
-    if (!on) this.send({ type: "hide", what: "skin" });
+    if (!shown) this.send({ type: "hide", what: "skin" });
   }
 
   /** Follow the contact: request another square if it has moved. */
   follow(state: State): void {
     const now = performance.now();
-    if (!this.on || now < this.next) return;
+    if (!this.shown || now < this.next) return;
     this.next = now + CHECK_INTERVAL;
     const found = square(state, this.wanted);
     if (!found) return;

@@ -4,22 +4,23 @@ import type { Over, Plane, Quantity, ToViewer, Triple } from "../feed/messages";
 import { across, number, type Axis } from "../space/planes";
 import { nextId } from "./request-ids";
 
+const INITIAL_CELLS = 128; // values along each side
 const COARSE = 2; // divisor of the resolution during a drag
-const FARTHEST = 10; // largest coordinate [m]
+const MAX_COORDINATE = 10; // largest coordinate of the wire [m]
 const NEAR = 0.002; // distance by which the contact may move before the slice does [m]
 
 export class SlicePlane {
   axis: Axis = "y";
-  of: Quantity = "pressure";
-  over: Over = "mean";
-  on = true;
+  quantity: Quantity = "pressure";
+  average: Over = "mean";
+  shown = true;
   /** Whether the slice follows the contact. */
   follows = true;
   /** Whether the slice turns to the axis that faces the user. */
   faces = true;
   private readonly centre: Triple = [0, 0, 0.2];
   private side = 0.2; // [m]
-  private cells = 128;
+  private cells = INITIAL_CELLS;
   private moving = false;
   private due = false;
   private readonly listeners: (() => void)[] = [];
@@ -60,7 +61,7 @@ export class SlicePlane {
   /** Move the slice to a position along its normal [m], and stop following. moving: whether the drag goes on. */
   move(position: number, moving = false): void {
     this.follows = false;
-    this.centre[number(this.axis)] = Math.min(Math.max(position, -FARTHEST), FARTHEST);
+    this.centre[number(this.axis)] = Math.min(Math.max(position, -MAX_COORDINATE), MAX_COORDINATE);
     this.moving = moving;
     this.change();
   }
@@ -72,9 +73,9 @@ export class SlicePlane {
     this.change();
   }
 
-  /** Choose what the shown value is taken over. */
-  takeOver(over: Over): void {
-    this.over = over;
+  /** Choose how the values of several frames become the shown one. */
+  chooseAverage(average: Over): void {
+    this.average = average;
     this.change();
   }
 
@@ -85,24 +86,24 @@ export class SlicePlane {
     this.change();
   }
 
-  choose(of: Quantity): void {
-    this.of = of;
+  choose(quantity: Quantity): void {
+    this.quantity = quantity;
     this.change();
   }
 
-  show(on: boolean): void {
-    this.on = on;
+  show(shown: boolean): void {
+    this.shown = shown;
     this.change();
   }
 
   /** Request the slice. Call it again after each new connection. */
   ask(): void {
     this.due = false;
-    if (!this.on) {
+    if (!this.shown) {
       this.send({ type: "hide", what: "slice" });
       return;
     }
-    this.send({ type: "slice", id: nextId(), of: this.of, over: this.over, ...this.plane });
+    this.send({ type: "slice", id: nextId(), of: this.quantity, over: this.average, ...this.plane });
   }
 
   private change(): void {

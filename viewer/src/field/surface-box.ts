@@ -6,18 +6,18 @@ import { nextId } from "./request-ids";
 const STAYS = 0.02; // distance by which the contact may move before the box does [m]
 
 export class SurfaceBox {
-  on = false;
+  shown = false;
   /** Level of the surface, as a share of the top of the colour scale. */
   share = 0.3;
-  over: Over = "mean";
+  average: Over = "mean";
   private side = 0.1; // [m]
   private points = 40;
   private centre: Triple = [0, 0, 0.2];
 
   constructor(private readonly send: (message: ToViewer) => void) {}
 
-  show(on: boolean): void {
-    this.on = on;
+  show(shown: boolean): void {
+    this.shown = shown;
     this.ask();
   }
 
@@ -31,12 +31,12 @@ export class SurfaceBox {
     const away = Math.hypot(...centre.map((x, n) => x - (this.centre[n] ?? 0)));
     if (away < STAYS) return;
     this.centre = [...centre];
-    if (this.on) this.ask();
+    if (this.shown) this.ask();
   }
 
   /** Request the volume. Call it again after each new connection. */
   ask(): void {
-    if (!this.on) {
+    if (!this.shown) {
       this.send({ type: "hide", what: "volume" });
       return;
     }
@@ -44,7 +44,7 @@ export class SurfaceBox {
     this.send({
       type: "volume",
       id: nextId(),
-      over: this.over,
+      over: this.average,
       origin: [centre[0] - side / 2, centre[1] - side / 2, centre[2] - side / 2],
       spacing: side / (points - 1),
       shape: [points, points, points],

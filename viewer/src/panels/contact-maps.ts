@@ -24,7 +24,7 @@ export class ContactMaps {
   ) {
     input("skin-on").addEventListener("change", () => {
       skinPlane.show(input("skin-on").checked);
-      if (!skinPlane.on) this.clear("–");
+      if (!skinPlane.shown) this.clear("–");
     });
     select("contact").addEventListener("change", () => skinPlane.choose(select("contact").value));
     store.on("skin", (skin) => this.draw(skin));
@@ -36,7 +36,7 @@ export class ContactMaps {
   }
 
   private draw(skin: Skin): void {
-    if (!this.skinPlane.on) return;
+    if (!this.skinPlane.shown) return;
     const [felt, asked] = [floats(skin.felt), floats(skin.asked)];
     const top = this.space.paint(skin, felt, asked);
     paint(this.made.asked, asked, skin.shape, top);
@@ -58,7 +58,7 @@ export class ContactMaps {
     const shares = [force, rms, spill].map((x) => `${digits(100 * (x ?? NaN), 2)} %`);
     say(element("skin-words"), `${state.objects[i]}: force ${shares[0]}, rms ${shares[1]}, spill ${shares[2]}`);
     if (!this.last) say(element("skin-top"), "being computed …");
-    element("skin-maps").hidden = !this.skinPlane.on || !this.last;
+    element("skin-maps").hidden = !this.skinPlane.shown || !this.last;
   }
 
   /** Offer the contacts. The chosen one stays in the list while it is not felt. */
@@ -69,7 +69,7 @@ export class ContactMaps {
     const names = ["", ...[...felt, ...(wanted ? [wanted] : [])].sort()];
     choices(select("contact"), names);
     for (const option of select("contact").options) option.text = option.value || "the strongest";
-    element("contacts").hidden = !this.skinPlane.on || names.length < 3 && !wanted;
+    element("contacts").hidden = !this.skinPlane.shown || names.length < 3 && !wanted;
   }
 
   private clear(why: string): void {

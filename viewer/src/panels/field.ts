@@ -29,7 +29,7 @@ export class FieldPanel {
     slicePlane.onChange(() => {
       this.showSlice();
       this.showScale();
-      if (store.link === "live") say(element("slice-most"), slicePlane.on ? WAIT : "–");
+      if (store.link === "live") say(element("slice-most"), slicePlane.shown ? WAIT : "–");
     });
     store.on("array", (array) => {
       this.showSlice();
@@ -60,9 +60,9 @@ export class FieldPanel {
       });
     }
     select("over").addEventListener("change", () => {
-      const over = OVERS.find((each) => each === select("over").value) ?? "mean";
-      this.surfaceBox.over = over;
-      slicePlane.takeOver(over);
+      const average = OVERS.find((each) => each === select("over").value) ?? "mean";
+      this.surfaceBox.average = average;
+      slicePlane.chooseAverage(average);
       this.surfaceBox.ask();
     });
     const [at, exactly] = [input("slice-at"), input("slice-mm")];
@@ -118,7 +118,7 @@ export class FieldPanel {
 
   /** The colour scale of the chosen quantity. */
   private get scale(): AutoScale {
-    return this.scales[this.slicePlane.of];
+    return this.scales[this.slicePlane.quantity];
   }
 
   private showScale(): void {
@@ -141,24 +141,24 @@ export class FieldPanel {
     at.value = String(Math.round(1000 * slicePlane.position));
     at.setAttribute("aria-valuetext", `${slicePlane.axis} = ${millimetres(slicePlane.position)} mm`);
     input("slice-mm").value = String(Math.round(1e4 * slicePlane.position) / 10);
-    input("slice-on").checked = slicePlane.on;
+    input("slice-on").checked = slicePlane.shown;
     for (const radio of radios("axis")) radio.checked = radio.value === (slicePlane.faces ? "auto" : slicePlane.axis);
     button("slice-follow").setAttribute("aria-pressed", String(slicePlane.follows));
     say(element("slice-axis"), slicePlane.axis);
-    select("over").value = slicePlane.over;
-    select("over").disabled = slicePlane.of === "error";
-    select("law").disabled = slicePlane.of === "error";
-    for (const radio of radios("of")) radio.checked = radio.value === slicePlane.of;
+    select("over").value = slicePlane.average;
+    select("over").disabled = slicePlane.quantity === "error";
+    select("law").disabled = slicePlane.quantity === "error";
+    for (const radio of radios("of")) radio.checked = radio.value === slicePlane.quantity;
   }
 
   private showMost(): void {
-    const { plane, values, of } = this.space.slice;
-    if (plane && of === "error") say(element("slice-most"), errorWords(values));
+    const { plane, values, quantity } = this.space.slice;
+    if (plane && quantity === "error") say(element("slice-most"), errorWords(values));
     else if (plane) {
       const { most, at } = peak(plane, values);
       const place = at.map((x) => millimetres(x)).join(", ");
-      const { frames, over } = this.space.slice;
-      const what = frames > 1 ? ` (${OVER_WORDS[over]} of ${frames} frames)` : over === "instant" ? " (this instant)" : "";
+      const { frames, average } = this.space.slice;
+      const what = frames > 1 ? ` (${OVER_WORDS[average]} of ${frames} frames)` : average === "instant" ? " (this instant)" : "";
       const past = most > this.space.scale.most ? ", past the bar," : "";
       say(element("slice-most"), most ? `max ${digits(most)} Pa${what}${past} at (${place}) mm` : `max 0 Pa${what}`);
     }

@@ -19,8 +19,8 @@ export function showHoverValue(told: HoverValue | null): void {
   note.style.transform = `translate(${across}px, ${y - top + BESIDE}px)`;
 }
 
-function words({ value, of }: HoverValue): string {
-  if (of === "pressure") return `${digits(value)} Pa`;
+function words({ value, quantity }: HoverValue): string {
+  if (quantity === "pressure") return `${digits(value)} Pa`;
   if (Number.isNaN(value)) return "nothing asked";
   return `${digits(Math.abs(value))} Pa too ${value < 0 ? "little" : "much"}`;
 }

@@ -42,12 +42,12 @@ export function drawLegend(): void {
 }
 
 /** Label the bar. most: top of the colour scale [Pa]; the scale of an error begins at -most. */
-export function scaleBar(most: number, of: Quantity, law: ScaleLaw = "linear", over: Over = "mean"): void {
-  if (of !== painted) paintBar(of);
-  painted = of;
-  say(element("bar-caption"), of === "error" ? "made − asked [Pa]" : CAPTIONS[over]);
+export function scaleBar(most: number, quantity: Quantity, law: ScaleLaw = "linear", average: Over = "mean"): void {
+  if (quantity !== painted) paintBar(quantity);
+  painted = quantity;
+  say(element("bar-caption"), quantity === "error" ? "made − asked [Pa]" : CAPTIONS[average]);
   const places = Array.from({ length: TICKS }, (_, k) => 1 - k / (TICKS - 1));
-  const ticks = places.map((at) => (of === "error" ? most * (2 * at - 1) : most * shareAt(at, law)));
+  const ticks = places.map((at) => (quantity === "error" ? most * (2 * at - 1) : most * shareAt(at, law)));
   const list = element("bar-ticks");
   ticks.forEach((tick, k) => {
     const item = list.children[k] ?? list.appendChild(made("li"));
@@ -55,15 +55,15 @@ export function scaleBar(most: number, of: Quantity, law: ScaleLaw = "linear", o
   });
 }
 
-function paintBar(of: Quantity): void {
-  const map = of === "error" ? ERRORS : PRESSURES;
+function paintBar(quantity: Quantity): void {
+  const map = quantity === "error" ? ERRORS : PRESSURES;
   const paint = get("bar-colours", HTMLCanvasElement).getContext("2d");
   if (!paint) return;
   const image = paint.createImageData(1, COLOURS);
   for (let k = 0; k < COLOURS; k++) {
     const row = 4 * (COLOURS - 1 - k);
     image.data.set(map.subarray(4 * k, 4 * k + 4), row);
-    if (of === "pressure") image.data[row + 3] = 255 * opacity(k / (COLOURS - 1));
+    if (quantity === "pressure") image.data[row + 3] = 255 * opacity(k / (COLOURS - 1));
   }
   paint.putImageData(image, 0, 0);
 }

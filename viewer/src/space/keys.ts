@@ -30,7 +30,7 @@ export function listen(space: Space, slicePlane: SlicePlane): void {
     x: () => slicePlane.turn("x"),
     y: () => slicePlane.turn("y"),
     z: () => slicePlane.turn("z"),
-    e: () => slicePlane.choose(slicePlane.of === "error" ? "pressure" : "error"),
+    e: () => slicePlane.choose(slicePlane.quantity === "error" ? "pressure" : "error"),
     a: () => slicePlane.turn(),
     c: () => slicePlane.follow(true, space.middle),
   };

@@ -16,7 +16,7 @@ export interface HoverValue {
   y: number;
   /** Value of the quantity shown [Pa]; NaN where it is undefined. */
   value: number;
-  of: Quantity;
+  quantity: Quantity;
   at: Vector3;
 }
 
@@ -46,7 +46,7 @@ export class Pointer {
     if (event.target !== canvas || event.button !== 0 || event.shiftKey || event.ctrlKey) return;
     canvas.focus({ preventScroll: true });
     this.aim(event);
-    if (!this.slicePlane.on || !this.grips(event)) return;
+    if (!this.slicePlane.shown || !this.grips(event)) return;
     controls.enabled = false;
     canvas.setPointerCapture(event.pointerId);
     const headlong = Math.abs(this.slope()) > HEADLONG;
@@ -64,7 +64,7 @@ export class Pointer {
       return;
     }
     if (event.buttons) return;
-    const over = this.slicePlane.on && this.grips(event);
+    const over = this.slicePlane.shown && this.grips(event);
     this.hover(over);
     this.over = event;
     this.look(event);
@@ -102,13 +102,13 @@ export class Pointer {
   /** Report the value under the mouse. */
   private look(event: PointerEvent): void {
     const { plane, values } = this.space.slice;
-    const found = plane && this.slicePlane.on ? hit(plane, this.caster.ray) : null;
+    const found = plane && this.slicePlane.shown ? hit(plane, this.caster.ray) : null;
     if (!plane || !found) {
       this.tell(null);
       return;
     }
-    const { of } = this.space.slice;
-    this.tell({ x: event.clientX, y: event.clientY, value: value(plane, values, found.s, found.t), of, at: found.at });
+    const { quantity } = this.space.slice;
+    this.tell({ x: event.clientX, y: event.clientY, value: value(plane, values, found.s, found.t), quantity, at: found.at });
   }
 
   private grips(event: PointerEvent): boolean {

@@ -72,8 +72,8 @@ export class FieldSlice implements Turned {
   /** The plane that is shown, and its values [Pa]. */
   plane: Plane | undefined;
   values = new Float32Array(0);
-  of: Quantity = "pressure";
-  over: Over = "mean";
+  quantity: Quantity = "pressure";
+  average: Over = "mean";
   /** Number of frames combined, and the time at which the newest was emitted [s]. */
   frames = 1;
   time = -Infinity;
@@ -114,7 +114,7 @@ export class FieldSlice implements Turned {
 
   set turn(turn: number) {
     this.last = turn;
-    this.field.renderOrder = this.of === "error" ? OVER : 2 * turn;
+    this.field.renderOrder = this.quantity === "error" ? OVER : 2 * turn;
   }
 
   /** Pressure, or magnitude of the error, at the end of the colour bar [Pa]. */
@@ -124,7 +124,7 @@ export class FieldSlice implements Turned {
 
   /** Set how pressure becomes colour. An error is always linear. */
   set law(law: ScaleLaw) {
-    this.set(this.field, "law", this.of === "error" ? 0 : SCALE_LAWS.indexOf(law));
+    this.set(this.field, "law", this.quantity === "error" ? 0 : SCALE_LAWS.indexOf(law));
   }
 
   get hovered(): boolean {
@@ -156,11 +156,11 @@ export class FieldSlice implements Turned {
   show(slice: Slice): void {
     const [rows, columns] = slice.shape;
     if (slice.pressure.length !== 4 * rows * columns) return;
-    if (this.plane?.shape[0] !== rows || this.plane.shape[1] !== columns || this.of !== slice.of) {
-      this.of = slice.of;
-      this.set(this.field, "map", this.of === "error" ? errorMap : pressureMap);
-      this.set(this.field, "signed", this.of === "error" ? 1 : 0);
-      this.field.material.depthTest = this.of === "pressure"; // hands and objects would hide an error
+    if (this.plane?.shape[0] !== rows || this.plane.shape[1] !== columns || this.quantity !== slice.of) {
+      this.quantity = slice.of;
+      this.set(this.field, "map", this.quantity === "error" ? errorMap : pressureMap);
+      this.set(this.field, "signed", this.quantity === "error" ? 1 : 0);
+      this.field.material.depthTest = this.quantity === "pressure"; // hands and objects would hide an error
       this.turn = this.last;
       this.values = new Float32Array(rows * columns);
       this.texture?.dispose();
@@ -168,7 +168,7 @@ export class FieldSlice implements Turned {
     }
     into(this.values, slice.pressure);
     this.plane = slice;
-    this.over = slice.over;
+    this.average = slice.over;
     this.frames = slice.frames;
     this.time = slice.time;
     this.count += 1;
@@ -197,7 +197,7 @@ export class FieldSlice implements Turned {
 
   private made(rows: number, columns: number): DataTexture {
     const texture = new DataTexture(this.values, columns, rows, RedFormat, FloatType);
-    const smooth = this.smooth && this.of === "pressure"; // interpolation would spread the NaN beside an error
+    const smooth = this.smooth && this.quantity === "pressure"; // interpolation would spread the NaN beside an error
     texture.minFilter = texture.magFilter = smooth ? LinearFilter : NearestFilter;
     return texture;
   }

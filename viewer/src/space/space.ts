@@ -161,7 +161,7 @@ export class Space {
 
   /** The colour scale of the slice shown. */
   get scale(): AutoScale {
-    return this.scales[this.slice.of];
+    return this.scales[this.slice.quantity];
   }
 
   /** Level of the isosurface [Pa]. */
@@ -171,7 +171,7 @@ export class Space {
 
   /** Compute the isosurface for the present level, or remove it if it is switched off. */
   recut(): void {
-    if (this.surfaceBox.on) this.surface.cut(this.level, css(PRESSURES, 0.4 + 0.6 * this.surfaceBox.share));
+    if (this.surfaceBox.shown) this.surface.cut(this.level, css(PRESSURES, 0.4 + 0.6 * this.surfaceBox.share));
     else this.surface.clear();
     this.view.urge();
   }
@@ -209,7 +209,7 @@ export class Space {
 
   /** Show the samples, unless an error slice or the painted hands show the same. */
   private layer(): void {
-    const error = this.slicePlane.on && this.slice.plane && this.slice.of === "error";
+    const error = this.slicePlane.shown && this.slice.plane && this.slice.quantity === "error";
     this.samples.group.visible = !error && !this.hands.painted;
     this.hands.through = !error;
   }
@@ -269,7 +269,7 @@ export class Space {
   }
 
   private cut(slice: Slice): void {
-    if (!this.slicePlane.on) return;
+    if (!this.slicePlane.shown) return;
     this.slice.show(slice);
     this.most = peak(slice, this.slice.values).most;
     this.slice.most = this.scale.most;
@@ -282,20 +282,20 @@ export class Space {
   /** Let the scale follow the slice shown. */
   private look(): void {
     this.asked = this.samples.most || this.asked;
-    const asked = this.slice.of === "pressure" ? this.asked : 0;
+    const asked = this.slice.quantity === "pressure" ? this.asked : 0;
     const most = asked > 0 ? Math.min(this.most, BRIGHT * asked) : this.most;
-    if (this.slicePlane.on && this.scale.see(most)) this.rescale();
+    if (this.slicePlane.shown && this.scale.see(most)) this.rescale();
   }
 
   private fill(volume: Volume): void {
-    if (!this.surfaceBox.on) return;
+    if (!this.surfaceBox.shown) return;
     this.surface.show(volume);
     this.recut();
   }
 
   private wanted(): void {
-    this.slice.group.visible = this.slicePlane.on;
-    if (!this.slicePlane.on) {
+    this.slice.group.visible = this.slicePlane.shown;
+    if (!this.slicePlane.shown) {
       this.slice.clear();
       this.layer();
     }

@@ -19,8 +19,7 @@ from pacinian.serving.control import process as control_process
 from pacinian.serving.guard import process as guard_process
 from pacinian.serving.ipc.hang_detection import SOUNDING_HANG_DIVISOR
 from pacinian.serving.settings import Safety
-from pacinian_lab.server.faults import client_faults
-from pacinian_lab.server.faults import server_faults as parts
+from pacinian_lab.server.faults import client_faults, server_faults
 from pacinian_lab.server.faults.rig import Rig, Times
 from pacinian_lab.server.faults.server import Server
 
@@ -30,16 +29,17 @@ if TYPE_CHECKING:
 STATED = Safety()
 SWAP = "gap at most a tick longer than undisturbed"
 LED = "the same, plus the time that frames wait in the device"
-# [s]; a guard's round is its pause plus its work
-TICK, GUARD_ROUND = 1e-3, 2 * guard_process.POLL_INTERVAL
+TICK = 1e-3  # [s]
+GUARD_ROUND = 2 * guard_process.POLL_INTERVAL  # [s] pause of a guard's round, and its work
 LEAD = 2.5e-3  # [s] lead of `usb-autd` plus the rest of the current row
-LEASE, STALE = STATED.lease + GUARD_ROUND, STATED.frame_timeout + 2 * GUARD_ROUND
-LINK, ENDED = (
-    control_process.OWNER_PROBE_INTERVAL + GUARD_ROUND,
-    control_process.CHECK_INTERVAL + GUARD_ROUND,
-)
-OPENED = 0.1  # [s] until the end of the guard is seen and the spare has opened the device
-# [s]; a hang is detected in steps of 20 ms
+# bounds of the silence [s]
+STOPPED = 2 * GUARD_ROUND
+LEASE = STATED.lease + GUARD_ROUND
+STALE = STATED.frame_timeout + 2 * GUARD_ROUND
+LINK = control_process.OWNER_PROBE_INTERVAL + GUARD_ROUND
+ENDED = control_process.CHECK_INTERVAL + GUARD_ROUND
+OPENED = 0.1  # until the end of the guard is seen and the spare has opened the device
+# a hang is detected in steps of 20 ms
 HUNG = STATED.hang_timeout / SOUNDING_HANG_DIVISOR + 0.05 + OPENED
 
 
@@ -82,44 +82,62 @@ FAULTS = (
     Fault(
         "emergency stop by another client",
         client_faults.stop_in_emergency,
-        TICK,
-        "delivery and two rounds",
+        STOPPED,
+        "two rounds",
     ),
     Fault(
         "solver never returns",
-        parts.hang_solver,
+        server_faults.hang_solver,
         STALE + WAIT_FOR_SOLVE_AFTER,
         "age of a solve, stale",
     ),
-    Fault("solver holds the interpreter", parts.hold_solver, STALE, "stale"),
-    Fault("renderer killed -9", parts.kill_render, STALE, "stale"),
-    Fault("renderer stopped", parts.stop_render, STALE, "stale"),
-    Fault("bus killed -9", parts.kill_bus, ENDED, "until its end is detected"),
-    Fault("guard killed -9", parts.kill_guard, OPENED, "device's watchdog, or the spare guard"),
+    Fault("solver holds the interpreter", server_faults.hold_solver, STALE, "stale"),
+    Fault("renderer killed -9", server_faults.kill_render, STALE, "stale"),
+    Fault("renderer stopped", server_faults.stop_render, STALE, "stale"),
+    Fault("bus killed -9", server_faults.kill_bus, ENDED, "until its end is detected"),
     Fault(
-        "guard stopped", parts.stop_guard, HUNG, "an eighth of `hang_timeout`, then the spare guard"
+        "guard killed -9", server_faults.kill_guard, OPENED, "device's watchdog, or the spare guard"
     ),
-    Fault("device blocks in a frame", parts.block_guard, HUNG, "the same"),
-    Fault("control killed -9", parts.kill_control, GUARD_ROUND, "a round, after its end"),
-    Fault("control stopped", parts.stop_control, LEASE, "lease"),
+    Fault(
+        "guard stopped",
+        server_faults.stop_guard,
+        HUNG,
+        "an eighth of `hang_timeout`, then the spare guard",
+    ),
+    Fault("device blocks in a frame", server_faults.block_guard, HUNG, "the same"),
+    Fault("control killed -9", server_faults.kill_control, GUARD_ROUND, "a round, after its end"),
+    Fault("control stopped", server_faults.stop_control, LEASE, "lease"),
     Fault(
         "all processes suspended and resumed",
-        parts.stop_all,
+        server_faults.stop_all,
         GUARD_ROUND,
         "a round, after they resume",
     ),
     Fault("server killed and restarted", client_faults.restart_server, LEASE, "lease"),
-    Fault("device unplugged", parts.unplug_device, TICK + GUARD_ROUND, "the next frame"),
+    Fault("device unplugged", server_faults.unplug_device, TICK + GUARD_ROUND, "the next frame"),
     Fault(
-        "... while swapping solvers", parts.unplug_swapping, TICK + GUARD_ROUND, "the next frame"
+        "... while swapping solvers",
+        server_faults.unplug_swapping,
+        TICK + GUARD_ROUND,
+        "the next frame",
     ),
-    Fault("... while swapping devices", parts.unplug_both, TICK + 2 * GUARD_ROUND, "a round later"),
-    Fault("solvers swapped", parts.swap_solvers, TICK, SWAP),
-    Fault("devices swapped", parts.swap_devices, TICK, SWAP),
-    Fault("simulated to USB models", parts.swap_to_models, LEAD + TICK, LED),
-    Fault("USB models to simulated", parts.swap_from_models, TICK, SWAP),
-    Fault("solver hangs while it warms up", parts.hang_solver_warming, TICK, SWAP),
-    Fault("SIGTERM of the server", parts.terminate_server, math.nan, "silent first, exit code 0"),
+    Fault(
+        "... while swapping devices",
+        server_faults.unplug_both,
+        TICK + 2 * GUARD_ROUND,
+        "a round later",
+    ),
+    Fault("solvers swapped", server_faults.swap_solvers, TICK, SWAP),
+    Fault("devices swapped", server_faults.swap_devices, TICK, SWAP),
+    Fault("simulated to USB models", server_faults.swap_to_models, LEAD + TICK, LED),
+    Fault("USB models to simulated", server_faults.swap_from_models, TICK, SWAP),
+    Fault("solver hangs while it warms up", server_faults.hang_solver_warming, TICK, SWAP),
+    Fault(
+        "SIGTERM of the server",
+        server_faults.terminate_server,
+        math.nan,
+        "silent first, exit code 0",
+    ),
 )
 
 
