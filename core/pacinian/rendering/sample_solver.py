@@ -97,7 +97,7 @@ class SampleSolver:
         self._steps: dict[Step, CachedSolution] = {}
         self._by_technique: tuple[Samples, list[tuple[Object, Samples]]] = (no_samples(), [])
         self._growth = 1.0
-        # Samples of a cycle, those of them that sound can reach, and which these are, (M,).
+        # Samples of a cycle, those of them that are solved for, and which these are, (M,).
         self._common = no_samples(), no_samples(), np.zeros(0, np.bool_)
         # Samples of a cycle that get clearly less than their target, (M,).
         self._missed = np.zeros(0, np.bool_)
@@ -315,8 +315,11 @@ class SampleSolver:
         cycle = self.cycle
         if self._common[0] is not samples:
             far = self.reach.find_unreachable(samples.positions)
-            reached = np.ones(len(samples), np.bool_) if far is None else ~(far[0] | far[1])
-            self._common = samples, samples if far is None else samples.only(reached), reached
+            reached = (samples.radiation_pressure > 0.0) | (samples.regions == BESIDE)
+            if far is not None:
+                reached &= ~(far[0] | far[1])
+            common = samples if reached.all() else samples.only(reached)
+            self._common = samples, common, reached
             self._missed = np.zeros(len(samples), np.bool_)
         frame = cycle.due(t, 1) if once else cycle.due(t)
         if frame is None:

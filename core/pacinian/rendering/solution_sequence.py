@@ -41,7 +41,7 @@ class SolutionSequence:
     several. each: whether every row of a tick has a solution of its own, because a technique moves the samples; `rows`
     then has one entry for each row. cycle: whether the solutions are the frames of a cycle, and people feel their mean.
     complete: whether all frames of the cycle are solved. common: in a cycle, the samples of all frames together that
-    sound can reach. asked: target radiation pressure of `common`, (M,) [Pa]. brief: whether this is valid for one tick
+    are solved for. asked: target radiation pressure of `common`, (M,) [Pa]. brief: whether this is valid for one tick
     only, because a technique moves the samples or an envelope is averaged over the tick. growth: factor by which the
     gains will grow once the samples reach the full pressure of their objects. hurried: whether regions get fewer frames
     than they could have, for want of time. missed: in a cycle, indices of the samples that get clearly less than their

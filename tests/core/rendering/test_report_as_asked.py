@@ -284,3 +284,22 @@ def test_what_presses_much_on_skin_beside_is_named(spill: float, on_skin: bool) 
     named = report.deviations.totals.get("a", {})
     assert sorted(named) == ["pressed beside"] * (spill > 2.0 and on_skin)
     assert all(total.ticks == 1 for total in named.values())
+
+
+def test_parts_of_a_mask_without_pressure_do_not_count_in_two_frames() -> None:
+    """A spiral that is too fine for samples at its outline: samples between its arms ask for nothing."""
+    y, x = np.mgrid[-1.0:1.0:64j, -1.0:1.0:64j]
+    radius, turn = np.hypot(x, y), np.arctan2(y, x) / (2.0 * np.pi)
+    mask = ((2.2 * radius - turn) % 1.0 < 0.45) & (radius < 1.0)
+    surface = pc.Surface(
+        name="object",
+        shape=pc.Rectangle(0.045, 0.045),
+        pose=pc.Pose((*NINE.centre[:2].tolist(), 0.2)),
+        texture=pc.Texture(values=mask.astype(float), size=(0.045, 0.045), repeat=False),
+        radiation_pressure=11.0,
+    )
+    renderer = render(pc.Scene((surface,)), ticks=30)
+    assert renderer.played.cycle
+    assert renderer.samples is not None
+    assert (renderer.samples.radiation_pressure > 0.0).all()
+    assert renderer.report.compute_felt()["object"].force == pytest.approx(1.0, abs=0.15)
