@@ -60,7 +60,10 @@ def _header(module: str) -> str:
 
 
 def _protocol(model: Model) -> str:
-    lines = [f"constexpr std::int64_t {name} = {n};" for name, n in model.constants.items()]
+    lines = [
+        f"constexpr {'double' if isinstance(n, float) else 'std::int64_t'} {name} = {n};"
+        for name, n in model.constants.items()
+    ]
     return _file("#pragma once\n\n#include <cstdint>", lines)
 
 

@@ -136,7 +136,8 @@ def protocol(model: Model, for_tests: bool) -> list[str]:
             "/// <summary>Constants of the protocol, and functions that read its messages.</summary>",
         )
         for name, value in model.constants.items():
-            lines.append(f"    public const int {pascal(name.lower())} = {value};")
+            kind = "double" if isinstance(value, float) else "int"
+            lines.append(f"    public const {kind} {pascal(name.lower())} = {value};")
     for socket, (each, most) in model.sockets.items():
         if (each.name in model.heard) == for_tests:
             continue

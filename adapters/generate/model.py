@@ -199,7 +199,7 @@ class Model:
     words: tuple[Words, ...]
     unions: tuple[Union, ...]
     sockets: dict[str, tuple[Union, int]]
-    constants: dict[str, int]
+    constants: dict[str, int | float]
     written: frozenset[str]
     heard: frozenset[str]
 

@@ -96,7 +96,7 @@ def read() -> Model:
         words=tuple({t.name: t for t in held if isinstance(t, Words)}.values()),
         unions=tuple(unions.values()),
         sockets=sockets,
-        constants={name: n for name, n in vars(protocol).items() if isinstance(n, int)},
+        constants={name: n for name, n in vars(protocol).items() if isinstance(n, int | float)},
         written=_list_names([unions[name] for name in WRITTEN], by_name),
         heard=_list_names([unions[name] for name in HEARD], by_name),
     )

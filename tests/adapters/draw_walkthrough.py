@@ -106,7 +106,9 @@ def draw_installation(command: str, *files: str) -> Figure:
             made = Path(folder, "Game", file)
             made.parent.mkdir(parents=True, exist_ok=True)
             made.write_text("m_EditorVersion: 2021.3.0f1\n" if made.suffix == ".txt" else "{}\n")
-        return draw_terminal([(f"{command} Game", run_command(f"{command} Game", Path(folder)))])
+        said = run_command(f"{command} Game", Path(folder))
+        said = said.replace(str(tools.ADAPTERS.parent), "…")  # which is another on each computer
+        return draw_terminal([(f"{command} Game", said)])
 
 
 # Unity

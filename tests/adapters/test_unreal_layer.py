@@ -368,6 +368,9 @@ def test_the_mouse_moves_a_hand_while_its_button_is_down(
     eventually(lambda: palm_is_at([0.15, 0.0, 0.215]))
     game.do("mouse 960 0 1")
     eventually(lambda: palm_is_at([0.0, 0.15, 0.215]))
+    assert game.status()["cursor"]
+    game.do(f"open {numbers(level([0.0, 0.0, 0.215]))}")
+    game.until(lambda s: not s["cursor"])  # hidden again
 
 
 def test_what_is_refused_is_told_where_it_is_and_takes_nothing_with_it(
@@ -384,15 +387,27 @@ def test_what_is_refused_is_told_where_it_is_and_takes_nothing_with_it(
     game.until(lambda s: s["faulty"] != "")
     game.do("press point 3")
     eventually(lambda: set(look(server).objects) == {"ball", "Things.Point"})
-    assert game.until(lambda s: s["faulty"] == "")["wrong"] == ""
+    assert game.until(lambda s: s["faulty"] == "" == s["problem"])["wrong"] == ""
     for line in ("press point 100000", "press ball 100000"):
         game.do(line)
     status = game.until(lambda s: s["faulty"] != "" and s["wrong"] != "")
+    assert "(" in status["problem"]  # the path
+    assert not status["problem"].endswith("; ")
     count = len([told for told in game.told if told.get("event") == "refused"])
     game.do("press ball 5")
     assert game.until(lambda s: s["wrong"] == "")["faulty"] == status["faulty"]
     eventually(lambda: look(server).objects == ("ball",))
     assert len([told for told in game.told if told.get("event") == "refused"]) == count
+
+
+def test_a_scale_of_0_is_told_without_the_server(play: Callable[..., Game]) -> None:
+    game = play("handless")
+    connected(game)
+    game.do(f"place ball {numbers(100.0 * BALL @ MIRROR)} 0 0")
+    game.until(lambda s: "scale is 0" in s["wrong"])
+    game.do(f"place ball {numbers(100.0 * BALL @ MIRROR)} 0 1")
+    game.until(lambda s: s["wrong"] == "")
+    assert not [told for told in game.told if told.get("event") == "refused"]
 
 
 def _upper(state: State, half: tuple[float, float], height: float) -> np.ndarray[Any, Any]:
@@ -446,6 +461,17 @@ def test_surfaces_face_up_and_a_flat_one_down_if_mirrored_along_z(
     assert not [told for told in game.told if told.get("event") == "refused"]
 
 
+def test_another_mesh_of_a_surface_is_sent(play: Callable[..., Game], server: Server) -> None:
+    game = play("handless")
+    connected(game)
+    for line in ("place plate 3 1 20 90 1 1 1", "mesh 6 4 1", "silence ball", "play plate", "arm"):
+        game.do(line)
+    eventually(lambda: len(_upper(look(server), (0.03, 0.02), 0.205)) > 0)
+    game.do("mesh 6 4 2")
+    eventually(lambda: len(_upper(look(server), (0.03, 0.02), 0.21)) > 0)
+    assert not [told for told in game.told if told.get("event") == "refused"]
+
+
 def test_alignment_finds_the_array(play: Callable[..., Game]) -> None:
     game = play("unarmed")
     game.until(lambda told: told["solvers"] > 5)
@@ -474,6 +500,39 @@ def test_a_game_that_hangs_falls_silent(play: Callable[..., Game], server: Serve
     assert not [told for told in game.told if told.get("event") == "ended"]
 
 
+def test_frames_that_all_outlast_the_lease_are_explained(play: Callable[..., Game]) -> None:
+    """The editor draws three frames a second while another window has the focus."""
+    game = play("short")
+    touch(game)
+    game.sounding()
+    game.do(f"frame {1.5 * LEASE}")
+    game.wait(lambda told: "Use Less CPU when in Background" in told.get("said", ""))
+
+
+def test_a_dedicated_server_does_not_connect(play: Callable[..., Game]) -> None:
+    game = play("dedicated")
+    for _ in range(5):
+        assert game.status()["status"] == "stopped"
+    assert not [told for told in game.told if told.get("event") == "connected"]
+
+
+@pytest.mark.parametrize("has_folder", [True, False])
+def test_a_server_starts_without_the_folder_of_its_log(
+    program: Path, tmp_path: Path, has_folder: bool
+) -> None:
+    script = tmp_path / "pacinian"
+    script.write_text("#!/bin/sh\necho 'error: no array' >&2\nexit 3\n")
+    script.chmod(0o755)
+    if not has_folder:
+        (tmp_path / "Saved").touch()  # in the place of the folder
+    error = ": error: no array" if has_folder else ""
+    with Game([program, tmp_path / "connection.json"], tools.environment()) as game:
+        game.do(f"serve {script}")
+        game.until(lambda s: s["problem"] == f"the server has ended, with exit code 3{error}")
+        assert game.end() == 0
+    assert (tmp_path / "Saved" / "Logs" / "PacinianServer.log").is_file() is has_folder
+
+
 def test_touches_are_told_and_why_it_is_silent(play: Callable[..., Game]) -> None:
     game = play()
     connected(game)
@@ -485,6 +544,7 @@ def test_touches_are_told_and_why_it_is_silent(play: Callable[..., Game]) -> Non
     assert (began["effect"], began["hand"]) == ("ball", "right")
     assert 0.0 < began["strength"] <= 1.0
     assert np.linalg.norm(array(np.reshape(began["at"], (-1, 3))) - BALL) < RADIUS + 0.01
+    assert '"ball" is nearest' in game.status()["screen"]
     told = game.until(lambda s: s["touched"] == "ball" and s["output"] == "sounding")
     assert told["silence"] == told["cause"] == ""
     game.do("lost")
@@ -553,7 +613,9 @@ def test_what_ends_sound(play: Callable[..., Game], server: Server, way: str) ->
 
 def test_no_server_no_wait(program: Path, tmp_path: Path) -> None:
     with Game([program, tmp_path / "connection.json"], tools.environment()) as game:
-        told = game.until(lambda t: t["status"] == "connecting" and t["problem"] != "")
+        told = game.until(lambda t: t["status"] == "connecting" and t["screen"] != "")
         assert "pacinian serve" in told["problem"]
+        assert told["screen"] == f"Haptics: {told['problem']}"
+        assert len([t for t in game.told if "Not connected" in t.get("said", "")]) == 1
         game.do("stop")
         game.do("end")

@@ -43,6 +43,8 @@ def test_the_descriptor_names_modules_that_there_are() -> None:
         rules = unreal.SOURCE / module["Name"] / f"{module['Name']}.Build.cs"
         assert f"public class {module['Name']} : ModuleRules" in rules.read_text(encoding="utf-8")
         assert module["Type"] == ("Editor" if module["Name"].endswith("Editor") else "Runtime")
+        is_editor = module["Type"] == "Editor"  # GUnrealEd does not exist in the phase Default
+        assert module["LoadingPhase"] == ("PostEngineInit" if is_editor else "Default")
         made = [f for f in SOURCES if f", {module['Name']})" in f.read_text(encoding="utf-8")]
         assert len(made) == 1, "one IMPLEMENT_MODULE each"
 
@@ -67,6 +69,7 @@ def test_libzmq_is_used_only_where_it_is() -> None:
     text = (unreal.SOURCE / "PacinianCore" / "PacinianCore.Build.cs").read_text(encoding="utf-8")
     always, found, there = text.partition("if (File.Exists(Header))")
     assert found
+    assert "ExternalDependencies" not in always, "a file that is missing"
     assert '"ZeroMQ"' not in re.findall(r"new string\[\] \{.*?\}", always)[0]
     assert "PACINIAN_LIBZMQ" not in always
     assert '"ZeroMQ"' in there
@@ -126,6 +129,30 @@ def test_the_core_knows_nothing_of_the_engine_and_its_public_headers_need_no_lib
             assert not re.search(r"#include <(zmq|windows)", raw), path
 
 
+@pytest.mark.deep("g++")
+@pytest.mark.parametrize("macro", ["DLLEXPORT", "DLLIMPORT"])
+def test_the_core_compiles_with_the_macro_of_the_engines_build(macro: str, tmp_path: Path) -> None:
+    """The engine's header, which defines the macros again, comes last; or before all."""
+    public = unreal.SOURCE / "PacinianCore" / "Public"
+    headers = sorted(public.rglob("*.h"))
+    for header in headers:
+        text = header.read_text(encoding="utf-8")
+        assert "PACINIANCORE_API" not in text or header.name == "api.h" or "pacinian/api.h" in text
+    includes = [f'#include "{header.relative_to(public).as_posix()}"\n' for header in headers]
+    engine = '#define DLLEXPORT __attribute__((visibility("default")))\n'
+    engine += engine.replace("DLLEXPORT", "DLLIMPORT")
+    last, first = tmp_path / "last.cpp", tmp_path / "first.cpp"
+    last.write_text("".join([*includes, engine]))
+    first.write_text("".join([engine, *includes]))
+    sources = [last, first]
+    if macro == "DLLEXPORT":
+        sources.append(unreal.SOURCE / "PacinianCore" / "Private" / "client" / "client.cpp")
+    tools.run(
+        "g++", "-std=c++17", "-fsyntax-only", "-Wall", "-Wextra", "-Werror", "-fno-exceptions",
+        f"-DPACINIANCORE_API={macro}", "-I", public, "-I", public.parent / "Private", *sources,
+    )  # fmt: skip
+
+
 def test_headers_are_as_their_tool_wants_them() -> None:
     for header in HEADERS:
         text = header.read_text(encoding="utf-8")
@@ -169,7 +196,8 @@ def test_what_properties_refer_to_is_there() -> None:
         for name in re.findall(r'GetOptions = "(\w+)"', text):
             assert re.search(rf"UFUNCTION\(.*\)\n  TArray<FString> {name}\(\) const;", text)
         for condition in re.findall(r'EditCondition = "(.*?)"', text):
-            for name, word in re.findall(r"(\w+) (?:==|>=|<=) \w+::(\w+)", condition):
+            assert not re.search(r"[<>]", condition), (header.name, "the editor compares no enums")
+            for name, word in re.findall(r"(\w+) == \w+::(\w+)", condition):
                 assert re.search(rf"\b{name}( =|;)", text)
                 assert any(
                     re.search(rf"\b{word}\b", other.read_text(encoding="utf-8"))

@@ -110,7 +110,7 @@ void after_an_error_nothing_is_read() {
 void what_a_peer_says_is_printable() {
   Ready made;
   made.give(std::string("\4\xa\5ERROR\3\n\x1b\xff", 12));
-  EXPECT(made.ending() == Ending::gone && made.problem() == "the peer ends it: ???");
+  EXPECT(made.ending() == Ending::gone && made.problem() == "the peer closes the connection: ???");
 }
 
 void addresses() {

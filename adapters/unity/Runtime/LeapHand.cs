@@ -10,7 +10,6 @@ namespace Pacinian.Haptics
         public const int Digits = 5, Bones = 4;
 
         private const int Palm = 0, Wrist = 1, Thumb = 2, MiddleMetacarpal = 11; // joints
-        private const float WristRadius = 0.021f; // [m] of an adult; Ultraleap reports only the width of the forearm
 
         /// <summary>
         /// Writes the joints and radii. bones: both ends of 20 bones; widths: of these. The thumb's metacarpal is not
@@ -32,7 +31,7 @@ namespace Pacinian.Haptics
                 }
             }
             positions[Wrist] = wrist;
-            radii[Wrist] = WristRadius;
+            radii[Wrist] = (float)OpenHand.Radius(Wrist); // an adult's: Ultraleap reports only the width of the forearm
             positions[Palm] = 0.5f * (positions[MiddleMetacarpal] + positions[MiddleMetacarpal + 1]);
             radii[Palm] = radii[MiddleMetacarpal];
             return whole;

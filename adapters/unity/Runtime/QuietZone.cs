@@ -34,9 +34,8 @@ namespace Pacinian.Haptics
         internal void Write(Rigid toArray, Zone zone, ref bool changed)
         {
             const double Step = 0.002; // [m]; smaller movements are not sent
-            const double MaxCoordinate = 10.0;
             Vec3 place = toArray.Point(WireSpace.ToWire(transform.position));
-            place = WireSpace.IsInRange(place) ? place : new Vec3(0.0, 0.0, MaxCoordinate);
+            place = WireSpace.IsInRange(place) ? place : new Vec3(0.0, 0.0, Protocol.MaxCoordinate);
             // What is not a number protects most.
             double wide = radius < 1f ? Mathf.Max(0f, radius) : 1f, most = pressure > Lowest ? Mathf.Min(pressure, Highest) : Lowest;
             if ((place - zone.Position).Length > Step || wide != zone.Radius || most != zone.Pressure)

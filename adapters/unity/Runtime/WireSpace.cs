@@ -1,3 +1,4 @@
+using Pacinian.Wire;
 using UnityEngine;
 
 namespace Pacinian.Haptics
@@ -40,9 +41,8 @@ namespace Pacinian.Haptics
         /// <summary>Returns whether the wire accepts a position: finite, and at most 10 m along each axis.</summary>
         public static bool IsInRange(Vec3 v)
         {
-            const double MaxCoordinate = 10.0;
-            return System.Math.Abs(v.X) <= MaxCoordinate && System.Math.Abs(v.Y) <= MaxCoordinate
-                && System.Math.Abs(v.Z) <= MaxCoordinate;
+            return System.Math.Abs(v.X) <= Protocol.MaxCoordinate && System.Math.Abs(v.Y) <= Protocol.MaxCoordinate
+                && System.Math.Abs(v.Z) <= Protocol.MaxCoordinate;
         }
     }
 }

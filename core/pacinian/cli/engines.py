@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import codecs
 import json
 import re
+import shutil
 import sys
 import sysconfig
 from contextlib import suppress
@@ -21,6 +23,9 @@ if TYPE_CHECKING:
 UNITY = "com.pacinian.haptics"
 # In a project of Unity, where its Haptic Server looks for the program: Unity's folder for what concerns one user.
 UNITY_PROGRAM = Path("UserSettings") / "PacinianProgram.txt"
+# In a project of Unreal: the file of its settings, and the section of the class UPacinianSettings.
+UNREAL_SETTINGS = Path("Config") / "DefaultGame.ini"
+UNREAL_SECTION = "[/Script/Pacinian.PacinianSettings]"
 MIN_UNITY = (2021, 3)
 MIN_UNREAL = (5, 5)
 MAX_DEPTH = 2  # levels of folders below the given one in which a project is looked for
@@ -47,7 +52,7 @@ def unity(path: Path, replace: bool) -> None:
     _check_unity(project)
     target = project / "Packages" / UNITY
     _install(Package(find_package("unity"), "package.json", "version"), target, replace)
-    _note_program(project / UNITY_PROGRAM)
+    _note_unity_program(project / UNITY_PROGRAM)
     _warn_of_manifest(project)
     click.echo(
         "\nNext:\n"
@@ -78,17 +83,15 @@ def unreal(path: Path, replace: bool) -> None:
     target = project / "Plugins" / "Pacinian"
     plugin = find_package("unreal") / "Pacinian"
     _install(Package(plugin, "Pacinian.uplugin", "VersionName"), target, replace)
-    if not (project / "Source").is_dir():
-        click.echo(
-            "The project has no C++ code, which a plugin of sources needs: in the editor, Tools > New C++ Class, once."
-        )
+    _note_unreal_program(project / UNREAL_SETTINGS)
     click.echo(
         "\nNext:\n"
         "  1. Start a server:    pacinian serve\n"
         "  2. Generate the project files again, build, and open the editor.\n"
         "  3. In your level: place a Haptic Array, add a Haptic Volume to a sphere 17.5 cm above it,\n"
         "     and a Haptic Hand to an empty actor 21.5 cm above it. Without a headset, set its Source\n"
-        "     to Mouse. Press Play and hold the left mouse button.\n"
+        "     to Mouse, and choose a game mode without a pawn, which would take the mouse.\n"
+        "  4. Press Play and hold the left mouse button. The screen says why it is silent.\n"
         f"  Tutorial: {find_package('unreal') / 'docs' / 'touch-a-ball.md'}"
     )
 
@@ -152,7 +155,10 @@ def _check_unity(project: Path) -> None:
 
 
 def _check_unreal(project: Path) -> None:
-    """Raise PackageError if the project's engine is too old. An engine built from source has no number."""
+    """Raise PackageError if the project's engine is too old, or if the project has no C++ code.
+
+    An engine built from source has no number.
+    """
     file = sorted(project.glob("*.uproject"))[0]
     try:
         engine = str(json.loads(file.read_text(encoding="utf-8-sig")).get("EngineAssociation", ""))
@@ -164,19 +170,80 @@ def _check_unreal(project: Path) -> None:
         raise PackageError(
             f"{file} is a project of Unreal Engine {engine}: the plugin needs {least} or newer"
         )
+    if not any((project / "Source").glob("*.Target.cs")):
+        raise PackageError(
+            f"{project} has no C++ code, so the engine could not build the plugin; nothing was changed. In the editor "
+            "choose Tools > New C++ Class, once. Close the editor, then run this again"
+        )
 
 
-def _note_program(file: Path) -> None:
-    """Write the path of the program `pacinian` of this installation to a file, so that an editor can start a server.
+def _find_program() -> Path | None:
+    """Return the program `pacinian` of this installation; None if it has none."""
+    name = "pacinian.exe" if sys.platform == "win32" else "pacinian"
+    program = Path(sysconfig.get_path("scripts")) / name
+    return program if program.is_file() else None
+
+
+def _note_unity_program(file: Path) -> None:
+    """Write the path of the program to a file, so that Unity's editor can start a server.
 
     If that is not possible, the user chooses the program in the editor.
     """
-    name = "pacinian.exe" if sys.platform == "win32" else "pacinian"
-    program = Path(sysconfig.get_path("scripts")) / name
-    if program.is_file():
+    program = _find_program()
+    if program:
         with suppress(OSError):
             file.parent.mkdir(exist_ok=True)
             file.write_text(f"{program}\n", encoding="utf-8")
+
+
+def _note_unreal_program(file: Path) -> None:
+    """Write the path of the program to a project's settings, so that Unreal's Start Server finds it.
+
+    If that is not possible, the user chooses the program in the project's settings.
+    """
+    program = _find_program()
+    if not program:
+        return
+    with suppress(OSError, UnicodeError):
+        data = file.read_bytes() if file.is_file() else b""
+        encoding = "utf-8"
+        if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+            encoding = "utf-16"
+        elif data.startswith(codecs.BOM_UTF8):
+            encoding = "utf-8-sig"
+        text = data.decode(encoding)
+        made = _set_server_command(text, program)
+        if made != text:
+            file.parent.mkdir(exist_ok=True)
+            file.write_bytes(made.encode(encoding))
+            click.echo(f"Start Server of the plugin uses {program}: see {file}.")
+
+
+def _set_server_command(settings: str, program: Path) -> str:
+    """Return the text of an .ini file in which the plugin's ServerCommand names a program.
+
+    A ServerCommand that names another program that exists stays.
+    """
+    newline = "\r\n" if "\r\n" in settings else "\n"
+    setting = f"ServerCommand={program.as_posix()}{newline}"  # a backslash could begin an escape
+    lines = settings.splitlines(keepends=True)
+    if lines and not lines[-1].endswith("\n"):
+        lines[-1] += newline
+    headings = [line.strip() for line in lines]
+    if UNREAL_SECTION not in headings:
+        empty = [newline] if lines else []
+        return "".join([*lines, *empty, UNREAL_SECTION + newline, setting])
+    start = headings.index(UNREAL_SECTION) + 1
+    for i in range(start, len(lines)):
+        key, _, value = lines[i].partition("=")
+        if key.startswith("["):
+            break
+        if key.strip() == "ServerCommand":
+            if shutil.which(value.strip().strip('"')):
+                return settings
+            lines[i] = setting
+            return "".join(lines)
+    return "".join([*lines[:start], setting, *lines[start:]])
 
 
 def _warn_of_manifest(project: Path) -> None:

@@ -22,7 +22,8 @@ class Smoothing:
     rate: largest change of any gain per second, relative to the largest present or target gain [1/s]; None for no
         limit. The loudest transducer can then turn its phase by `rate` radians per second. A focus that moves at speed
         v needs at most k v. With 750, a focus at 1 m/s is followed without lag, and any sound, strong or weak, starts
-        or stops within 1.3 ms. A focus that must jump (spatio-temporal modulation) needs None.
+        or stops within 1.3 ms. The limit is relative to the full pressure of the objects: a lightly pressed contact may
+        change faster, by the square root of the ratio. A focus that must jump (spatio-temporal modulation) needs None.
     align: turn the global phase of each solution, which is free, to that of the row before.
     Raises ArgumentError.
     """

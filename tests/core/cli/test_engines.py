@@ -54,6 +54,7 @@ def unity(tmp_path: Path) -> Path:
 def unreal(tmp_path: Path) -> Path:
     project = tmp_path / "level"
     (project / "Source").mkdir(parents=True)
+    (project / "Source" / "Level.Target.cs").touch()
     (project / "Level.uproject").write_text('{"EngineAssociation": "5.5"}')
     return project
 
@@ -126,11 +127,15 @@ def test_a_project_of_unreal_gets_the_plugin_and_is_told_what_is_missing(unreal:
     tutorial = re.search(r"Tutorial: (.*)", said)
     assert tutorial
     assert Path(tutorial[1]).is_file()
-    assert "no C++ code" not in said
-    (unreal / "Source").rmdir()
-    said = run("unreal", unreal)
-    assert "nothing was changed" in said
-    assert "no C++ code" in said
+    assert "nothing was changed" in run("unreal", unreal)
+
+
+def test_a_project_of_unreal_without_code_is_told_before_it_gets_the_plugin(unreal: Path) -> None:
+    (unreal / "Source" / "Level.Target.cs").unlink()  # an empty folder Source is no code
+    said = run("unreal", unreal, code=2)
+    assert "Tools > New C++ Class" in said
+    assert "run this again" in said
+    assert not (unreal / "Plugins").exists()
 
 
 def test_what_is_no_project_is_refused_and_one_nearby_named(unity: Path, unreal: Path) -> None:
@@ -283,3 +288,62 @@ def test_a_place_where_the_program_cannot_be_noted_changes_nothing(unity: Path) 
     (unity / "UserSettings").touch()  # not a folder
     run("unity", unity)
     assert (unity / UNITY / "package.json").exists()
+
+
+@pytest.fixture
+def program(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Make the program of an installation."""
+    made = tmp_path / "bin ü" / ("pacinian.exe" if sys.platform == "win32" else "pacinian")
+    made.parent.mkdir()
+    made.touch(0o755)
+    monkeypatch.setattr(sysconfig, "get_path", {"scripts": str(made.parent)}.get)
+    return made
+
+
+SECTION = "[/Script/Pacinian.PacinianSettings]"
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        (None, f"{SECTION}\nServerCommand=HERE\n"),
+        ("[A]\nB=1", f"[A]\nB=1\n\n{SECTION}\nServerCommand=HERE\n"),
+        (f"{SECTION}\nC=1\n[A]\n", f"{SECTION}\nServerCommand=HERE\nC=1\n[A]\n"),
+        (f"[A]\r\n{SECTION}\r\n", f"[A]\r\n{SECTION}\r\nServerCommand=HERE\r\n"),
+        (f"{SECTION}\nC=1\nServerCommand=/gone\n", f"{SECTION}\nC=1\nServerCommand=HERE\n"),
+        (f"[A]\nServerCommand=x\n{SECTION}", f"[A]\nServerCommand=x\n{SECTION}\nServerCommand=HERE\n"),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
+def test_unreal_is_told_where_the_program_is(
+    unreal: Path, program: Path, before: str | None, after: str, encoding: str
+) -> None:
+    settings = unreal / "Config" / "DefaultGame.ini"
+    if before is None:
+        encoding = "utf-8"
+    else:
+        settings.parent.mkdir()
+        settings.write_bytes(before.encode(encoding))
+    for _ in range(2):  # also if the plugin is there already; never twice
+        run("unreal", unreal)
+        made = settings.read_bytes()
+        assert made == after.replace("HERE", program.as_posix()).encode(encoding)
+
+
+def test_another_program_that_the_settings_of_unreal_name_stays(
+    unreal: Path, program: Path
+) -> None:
+    settings = unreal / "Config" / "DefaultGame.ini"
+    settings.parent.mkdir()
+    text = f'{SECTION}\nServerCommand="{Path(sys.executable).as_posix()}"\n'
+    settings.write_text(text, encoding="utf-8")
+    run("unreal", unreal)
+    assert settings.read_text(encoding="utf-8") == text
+
+
+def test_settings_of_unreal_that_cannot_be_written_change_nothing(
+    unreal: Path, program: Path
+) -> None:
+    (unreal / "Config").touch()  # not a folder
+    run("unreal", unreal)
+    assert (unreal / UNREAL / "Pacinian.uplugin").exists()

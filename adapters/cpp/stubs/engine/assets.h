@@ -2,6 +2,8 @@
 
 // Stubs of meshes, colliders, hand tracking, saved games, drawing and settings.
 
+#include <filesystem>
+
 #include "world.h"
 
 class UDataAsset : public UObject {
@@ -122,7 +124,9 @@ class IXRTrackingSystem {
 };
 class UEngine : public UObject {
   STUB_BODY(UEngine, UObject)
+  void AddOnScreenDebugMessage(uint64, float, const FColor&, const FString& Message) { StubScreen = Message; }
   TSharedPtr<IXRTrackingSystem> XRSystem;
+  FString StubScreen;
 };
 extern UEngine* GEngine;
 
@@ -158,6 +162,23 @@ struct FPaths {
   static FString ProjectLogDir() { return StubLogs; }
   static bool FileExists(const FString&) { return false; }
   static inline FString StubLogs;
+};
+struct IFileManager {
+  static IFileManager& Get() {
+    static IFileManager Made;
+    return Made;
+  }
+  bool MakeDirectory(const TCHAR* Path, bool) {
+    std::error_code Error;
+    std::filesystem::create_directories(stub::utf8(Path), Error);
+    return std::filesystem::is_directory(stub::utf8(Path), Error);
+  }
+};
+template <class T>
+struct TAutoConsoleVariable {
+  TAutoConsoleVariable(const TCHAR*, T Given, const TCHAR*) : Value(Given) {}
+  T GetValueOnGameThread() const { return Value; }
+  T Value;
 };
 struct IPlugin {
   FString GetBaseDir() const { return FString(); }

@@ -35,6 +35,7 @@ struct FVector {
   template <class T>
   explicit FVector(const T& Given) : X(Given.X), Y(Given.Y), Z(Given.Z) {}
   double Size() const { return std::sqrt(X * X + Y * Y + Z * Z); }
+  double GetAbsMin() const { return std::min({std::abs(X), std::abs(Y), std::abs(Z)}); }
   bool ContainsNaN() const { return !(std::isfinite(X) && std::isfinite(Y) && std::isfinite(Z)); }
   bool Equals(const FVector& Other, double Most) const {
     return std::abs(X - Other.X) <= Most && std::abs(Y - Other.Y) <= Most && std::abs(Z - Other.Z) <= Most;

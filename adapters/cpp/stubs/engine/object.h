@@ -65,6 +65,8 @@ class UObject {
   virtual UClass* GetClass() const { return StaticClass(); }
   virtual UWorld* GetWorld() const { return Outer ? Outer->GetWorld() : nullptr; }
   FString GetName() const { return Name; }
+  /// Default objects of classes have no owner here.
+  bool IsTemplate() const { return !Outer; }
   virtual void BeginDestroy() {}
   virtual void PostEditChangeProperty(FPropertyChangedEvent&) {}
 

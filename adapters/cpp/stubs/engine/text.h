@@ -23,6 +23,7 @@ using TCHAR = char16_t;
 #define WITH_EDITOR 1
 #define ENABLE_DRAW_DEBUG 1
 #define PLATFORM_WINDOWS 0
+#define UE_BUILD_SHIPPING 0
 #define UE_DOUBLE_PI (3.141592653589793238462643383279502884)
 
 template <class T>
@@ -147,6 +148,7 @@ class TMap {
 struct FStubCategory {};
 #define DECLARE_LOG_CATEGORY_EXTERN(Name, Default, Most) extern FStubCategory Name
 #define DEFINE_LOG_CATEGORY(Name) FStubCategory Name
+#define DEFINE_LOG_CATEGORY_STATIC(Name, Default, Most) static FStubCategory Name
 #define UE_LOG(Category, Verbosity, ...)                                                      \
   do {                                                                                        \
     (void)Category;                                                                           \

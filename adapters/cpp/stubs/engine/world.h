@@ -9,6 +9,7 @@ enum Type { Destroyed, LevelTransition, EndPlayInEditor, RemovedFromWorld, Quit 
 }
 enum ELevelTick { LEVELTICK_All };
 enum ETickingGroup { TG_PrePhysics, TG_PostUpdateWork };
+enum ENetMode { NM_Standalone, NM_DedicatedServer };
 struct FActorComponentTickFunction {
   bool bCanEverTick = false, bTickEvenWhenPaused = false;
   ETickingGroup TickGroup = TG_PrePhysics;
@@ -27,7 +28,10 @@ class UActorComponent : public UObject {
   bool IsActive() const { return bActive; }
   bool HasBegunPlay() const { return bBegun; }
   AActor* GetOwner() const;
+  ENetMode GetNetMode() const { return StubNetMode; }
+  void SetComponentTickEnabled(bool bEnabled) { PrimaryComponentTick.bCanEverTick = bEnabled; }
 
+  static inline ENetMode StubNetMode = NM_Standalone;
   FActorComponentTickFunction PrimaryComponentTick;
   bool bAutoActivate = false;
 

@@ -53,7 +53,8 @@ FString word(std::istream& from) {
 
 Level::Level(const std::string& connection, const std::string& more) {
   const auto has = [&](const char* what) { return more.find(what) != std::string::npos; };
-  FPaths::StubLogs = UTF8_TO_TCHAR(connection.substr(0, connection.rfind('/')).c_str());
+  if (has("dedicated")) UActorComponent::StubNetMode = NM_DedicatedServer;
+  FPaths::StubLogs = UTF8_TO_TCHAR(connection.substr(0, connection.rfind('/')).c_str()) + FString(TEXT("/Saved/Logs"));
   array = world->spawn<AHapticArray>(TEXT("Array"));
   server = array->Server;
   server->ConnectionFile = UTF8_TO_TCHAR(connection.c_str());
@@ -338,6 +339,7 @@ void Level::status() {
        << (rival ? states[int(rival->GetStatus())] : "") << R"(", "relative": )" << volume->GetRelativeStrength()
        << R"(, "silence": )" << quoted(server->GetSilence()) << R"(, "cause": )" << quoted(server->GetSilenceCause())
        << R"(, "touched": )" << quoted(felt.Effect) << R"(, "height": )" << felt.Position.Z
+       << R"(, "screen": )" << quoted(GEngine->StubScreen) << R"(, "cursor": )" << (controller->bShowMouseCursor ? "true" : "false")
        << R"(, "drawn": )" << StubDrawn << R"(, "playing": )" << (point->IsPlaying() ? "true" : "false")
        << R"(, "samples": )" << numbers(places) << R"(, "problem": )" << quoted(server->GetProblem()) << "}";
   tell(made.str());

@@ -19,6 +19,7 @@
 class Level {
  public:
   /// more: `unarmed` and `again` are settings of the server component; `handless` leaves out the hand;
+  /// `dedicated` plays on a dedicated server;
   /// `shared` shares the scene `hall`.
   Level(const std::string& connection, const std::string& more);
   ~Level() { world->end(EEndPlayReason::LevelTransition); }

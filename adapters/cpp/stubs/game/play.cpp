@@ -1,5 +1,5 @@
 // Plays a game without the engine at 90 frames a second, controlled by standard input.
-//   play <connection file> [unarmed] [again] [handless]
+//   play <connection file> [unarmed] [again] [handless] [dedicated]
 
 #include <poll.h>
 #include <unistd.h>
@@ -18,7 +18,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double frame = 1.0 / 90.0;  // [s]
+double frame = 1.0 / 90.0;  // [s]
 
 double seconds(Clock::duration given) { return std::chrono::duration<double>(given).count(); }
 
@@ -51,6 +51,8 @@ int main(int count, char** words) {
   std::string more;
   for (int i = 2; i < count; ++i) more += words[i];
   const std::unique_ptr<IModuleInterface> core(StubModulePacinianCore()), module(StubModulePacinian());
+  UEngine engine;
+  GEngine = &engine;
   core->StartupModule();
   module->StartupModule();
   auto level = std::make_unique<Level>(words[1], more);
@@ -71,6 +73,9 @@ int main(int count, char** words) {
       if (word == "level") {
         level = std::make_unique<Level>(words[1], more);
         report("level");
+      } else if (word == "frame") {
+        rest >> frame;
+        report("frame");
       } else if (word == "freeze") {
         pollfd input{0, POLLIN, 0};
         poll(&input, 1, -1);  // until a command arrives

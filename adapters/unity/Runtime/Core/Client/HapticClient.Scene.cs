@@ -9,7 +9,6 @@ namespace Pacinian
     public sealed partial class HapticClient
     {
         private const int Largest = Protocol.MaxCommandBytes - 1024; // [bytes] of an envelope; the rest is for other fields
-        private const double MaxCoordinate = 10.0, MaxSpeed = 100.0; // [m] along each axis; [m/s] or [rad/s]
 
         private readonly Reader _checker = new Reader();
 
@@ -141,13 +140,14 @@ namespace Pacinian
 
         private static double Clamp(double place)
         {
-            return Math.Max(-MaxCoordinate, Math.Min(place, MaxCoordinate));
+            return Math.Max(-Protocol.MaxCoordinate, Math.Min(place, Protocol.MaxCoordinate));
         }
 
         private static Vec3 Shorten(Vec3 speed)
         {
             double length = speed.Length;
-            return length > MaxSpeed ? (MaxSpeed * (1.0 - 1e-6) / length) * speed : speed; // also in single precision
+            return length > Protocol.MaxSpeed
+                ? (Protocol.MaxSpeed * (1.0 - 1e-6) / length) * speed : speed; // also in single precision
         }
 
         private bool Write(Kind kind, string name, Writer part, Movement movement)

@@ -15,8 +15,9 @@ namespace Pacinian
     public sealed class ServerProcess : IDisposable
     {
         private const double FirstPause = 2.0, LongestPause = 30.0; // [s] between two starts
-        private const double StableTime = 10.0; // [s] of running, after which the first pause applies again
-        private const int MaxTail = 2000; // [bytes] that are read of a log
+        private const double ResetTime = 10.0; // [s] of running, after which the first pause applies again
+        private const int PollInterval = 10; // [ms] between two checks whether the server has ended
+        private const int LogTail = 2000; // [bytes] that are read of a log
         private const int NotFound = 127, NotFoundByWindows = 9009; // exit codes of a shell
         private const int Killed = 128 + 9; // exit code of a program that SIGKILL ended
 
@@ -61,7 +62,8 @@ namespace Pacinian
             }
             if (ConnectionFile.IsText(_connection))
             {
-                Problem = "a connection that is given as text is of a server elsewhere: none is started here";
+                Problem = "the connection is given as text, so its server runs elsewhere and none is started here: give the path of a"
+                    + " connection file";
                 return false;
             }
             _wanted = true;
@@ -88,10 +90,10 @@ namespace Pacinian
             }
             if (_process != null && _process.HasExited)
             {
-                NoteExit(now);
+                NoteEnd(now);
             }
             Problem = connected ? "" : Problem;
-            if (connected || (_process != null && now > _started + StableTime))
+            if (connected || (_process != null && now > _started + ResetTime))
             {
                 _pause = FirstPause;
             }
@@ -114,7 +116,7 @@ namespace Pacinian
             if (_process != null)
             {
                 _process.StandardInput.Close();
-                for (double end = SteadyClock.Now() + maxWait; !_process.HasExited; Thread.Sleep(10))
+                for (double end = SteadyClock.Now() + maxWait; !_process.HasExited; Thread.Sleep(PollInterval))
                 {
                     if (SteadyClock.Now() > end)
                     {
@@ -171,7 +173,7 @@ namespace Pacinian
             _pause = Math.Min(2.0 * _pause, LongestPause);
         }
 
-        private void NoteExit(double now)
+        private void NoteEnd(double now)
         {
             string error = LastError();
             Problem = Describe(_process.ExitCode) + (error.Length > 0 ? ": " + error : "");
@@ -222,7 +224,7 @@ namespace Pacinian
                 using (FileStream file = new FileStream(_log, FileMode.Open, FileAccess.Read, FileShare.ReadWrite))
                 using (StreamReader reader = new StreamReader(file))
                 {
-                    file.Seek(-Math.Min(MaxTail, file.Length), SeekOrigin.End);
+                    file.Seek(-Math.Min(LogTail, file.Length), SeekOrigin.End);
                     string[] lines = reader.ReadToEnd().Split('\n');
                     string last = Array.FindLast(lines, line => line.IndexOf("error", StringComparison.OrdinalIgnoreCase) >= 0);
                     return last == null ? "" : last.Trim();

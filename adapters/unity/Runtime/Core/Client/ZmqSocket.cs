@@ -40,8 +40,9 @@ namespace Pacinian
         {
             Set(LibZmq.SendRoom, Waiting);
             Set(LibZmq.ReceiveRoom, MaxWaitingMessages);
-            Set(LibZmq.HandshakeTimeout, 2000); // [ms], like all below
-            Set(LibZmq.ConnectTimeout, 2000);
+            const int timeoutMs = (int)(1e3 * Zmtp.ZmtpSettings.DefaultTimeout);
+            Set(LibZmq.HandshakeTimeout, timeoutMs); // [ms], like all below
+            Set(LibZmq.ConnectTimeout, timeoutMs);
             long longest = Protocol.MaxReplyBytes;
             LibZmq.zmq_setsockopt(Handle, LibZmq.LongestMessage, ref longest, (UIntPtr)8);
             return file.ServerKey.Length > 0

@@ -24,6 +24,9 @@ namespace Pacinian.Wire
         public const int MaxParticles = 10000;
         public const int MaxParts = 16;
         public const int MaxOptions = 32;
+        public const double MaxTimeToLive = 60.0;
+        public const double MaxCoordinate = 10.0;
+        public const double MaxSpeed = 100.0;
 
         /// <summary>Reads a message of the kind `reply`; if `value` is already a message of the same kind, it is reused.</summary>
         public static bool ReadReply(Reader r, byte[] data, int start, int count, ref IReply value)

@@ -93,7 +93,7 @@ namespace Pacinian.Zmtp
             }
             else
             {
-                Problem = "the handshake has a frame that does not belong there";
+                Problem = "the peer sent an unexpected frame during the handshake";
             }
             return Problem.Length == 0;
         }

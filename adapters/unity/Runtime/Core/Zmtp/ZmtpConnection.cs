@@ -190,7 +190,8 @@ namespace Pacinian.Zmtp
                 int context = count - _ping.Length;
                 if (context < 0 || context > MaxContext)
                 {
-                    Fail(Ending.Foreign, "a heartbeat of " + count + " bytes");
+                    Fail(Ending.Foreign, "the peer sent a heartbeat of " + count + " bytes, not "
+                        + _ping.Length + " to " + (_ping.Length + MaxContext));
                     return;
                 }
                 _peerTimeout = TtlUnit * (Input.Data[offset] << 8 | Input.Data[offset + 1]);
@@ -202,7 +203,7 @@ namespace Pacinian.Zmtp
             }
             else if (Command.Is(Input, Command.Error, out offset, out count))
             {
-                Fail(Ending.Gone, "the peer ends it: " + Command.ReadReason(Input.Data, offset, count));
+                Fail(Ending.Gone, "the peer closes the connection: " + Command.ReadReason(Input.Data, offset, count));
             }
         }
 

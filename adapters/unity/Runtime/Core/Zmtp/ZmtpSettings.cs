@@ -12,6 +12,9 @@ namespace Pacinian.Zmtp
     /// <summary>The settings of a socket.</summary>
     internal sealed class ZmtpSettings
     {
+        /// <summary>The time for TCP to connect, and for the handshake after that [s].</summary>
+        public const double DefaultTimeout = 2.0;
+
         public SocketKind Kind;
 
         /// <summary>For PLAIN; null: NULL, without a name and password.</summary>
@@ -21,7 +24,7 @@ namespace Pacinian.Zmtp
         public int MaxMessage = 1 << 20;
 
         /// <summary>Time limits for TCP's connection, and then for the handshake [s].</summary>
-        public double ConnectTimeout = 2.0, HandshakeTimeout = 2.0;
+        public double ConnectTimeout = DefaultTimeout, HandshakeTimeout = DefaultTimeout;
 
         /// <summary>The time between two heartbeats [s]; 0: none are sent, but the peer's are answered.</summary>
         public double PingInterval;

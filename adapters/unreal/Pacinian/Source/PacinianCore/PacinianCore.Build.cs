@@ -14,9 +14,9 @@ public class PacinianCore : ModuleRules
         PrivateIncludePaths.Add(Path.Combine(ModuleDirectory, "Private"));
         PrivateDependencyModuleNames.AddRange(new string[] { "Core", "Projects" });
         string Header = Path.Combine(ModuleDirectory, "..", "ThirdParty", "ZeroMQ", "Include", "zmq.h");
-        ExternalDependencies.Add(Header); // rebuilds the module when it appears or disappears
-        if (File.Exists(Header))
+        if (File.Exists(Header)) // a dependency that is missing would make UBT write its makefile in each build
         {
+            ExternalDependencies.Add(Header);
             PrivateDependencyModuleNames.AddRange(new string[] { "ZeroMQ" });
             PrivateDefinitions.Add("PACINIAN_LIBZMQ=1");
         }

@@ -9,13 +9,14 @@ namespace wire = pacinian::wire;
 namespace Haptic {
 
 TArray<FVector> Corners(const UObject* Object) {
-  TArray<FVector> Found;
   const UHapticScene* Scene = UHapticScene::Of(Object);
   const UHapticServerComponent* Server = Scene ? Scene->GetServer() : nullptr;
   const TSharedPtr<FHapticLink> Link = Server ? Server->GetLink() : nullptr;
   const wire::Abilities* Abilities = Link ? Link->Client.capabilities() : nullptr;
   const std::size_t Count = Abilities ? Abilities->positions.size() / 12 : 0;
-  if (Count == 0) return Found;
+  if (Count == 0) return {};
+  if (Link->CornersSession == Link->Session) return Link->Corners;
+  TArray<FVector> Found;
   constexpr double Ways[4][2] = {{1.0, 1.0}, {1.0, -1.0}, {-1.0, -1.0}, {-1.0, 1.0}};
   for (const auto& Way : Ways) {
     FVector Outermost = FVector::ZeroVector;
@@ -31,6 +32,8 @@ TArray<FVector> Corners(const UObject* Object) {
     }
     Found.Add(Outermost);
   }
+  Link->CornersSession = Link->Session;
+  Link->Corners = Found;
   return Found;
 }
 

@@ -9,6 +9,7 @@
 
 UArrayOriginComponent::UArrayOriginComponent() {
   PrimaryComponentTick.bCanEverTick = true;
+  PrimaryComponentTick.bTickEvenWhenPaused = true;  // the array sounds meanwhile
   PrimaryComponentTick.TickGroup = TG_PostUpdateWork;
 }
 

@@ -16,6 +16,7 @@ constexpr int32 Joints = 26;   // of a hand
 
 UEmissionViewComponent::UEmissionViewComponent() {
   PrimaryComponentTick.bCanEverTick = true;
+  PrimaryComponentTick.bTickEvenWhenPaused = true;  // the array sounds meanwhile
   PrimaryComponentTick.TickGroup = TG_PostUpdateWork;
 }
 

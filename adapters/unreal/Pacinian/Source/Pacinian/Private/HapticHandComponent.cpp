@@ -30,6 +30,7 @@ void UHapticHandComponent::BeginPlay() {
 void UHapticHandComponent::EndPlay(const EEndPlayReason::Type Reason) {
   if (UHapticScene* Scene = UHapticScene::Of(this)) Scene->Hands.Remove(this);
   SentName.Reset();
+  ShowCursor(nullptr);
   Super::EndPlay(Reason);
 }
 
@@ -72,11 +73,19 @@ void UHapticHandComponent::Open(const FVector& Offset) {
   Haptic::OpenHand(Palm, Side == EHapticSide::Left, Joints, Radii);
 }
 
+/// Shows the cursor of a player, without which the mouse has no position. Hides it again if the player is null or another.
+void UHapticHandComponent::ShowCursor(APlayerController* Player) {
+  if (Player && Player == CursorPlayer.Get()) return;
+  if (CursorPlayer.IsValid()) CursorPlayer->bShowMouseCursor = false;
+  CursorPlayer = Player && !Player->bShowMouseCursor ? Player : nullptr;
+  if (CursorPlayer.IsValid()) CursorPlayer->bShowMouseCursor = true;
+}
+
 void UHapticHandComponent::FollowMouse() {
   SetLost();
   APlayerController* Player = GetWorld()->GetFirstPlayerController();
+  ShowCursor(Player);
   if (!Player) return;
-  Player->bShowMouseCursor = true;  // otherwise the mouse has no position
   float Right = 0.0f, Down = 0.0f;  // [pixels]
   int32 Width = 0, Height = 0;
   Player->GetViewportSize(Width, Height);
@@ -88,10 +97,13 @@ void UHapticHandComponent::FollowMouse() {
 void UHapticHandComponent::Fill(FHapticHand& Hand, const FHapticSpace& Space) {
   if (Source == EHapticHandSource::Tracker) Track();
   if (Source == EHapticHandSource::Open) Open(FVector::ZeroVector);
-  if (Source == EHapticHandSource::Mouse) FollowMouse();
+  if (Source == EHapticHandSource::Mouse)
+    FollowMouse();
+  else
+    ShowCursor(nullptr);
   wire::HandFrame& Frame = Hand.Frame;
   Frame.side = Side == EHapticSide::Left ? wire::HandFrameSide::left : wire::HandFrameSide::right;
-  SentName = MakeName();
+  ChooseName();
   Frame.name = Haptic::Text(SentName);
   Frame.joints.clear();
   Frame.radii.clear();
@@ -110,11 +122,11 @@ void UHapticHandComponent::Fill(FHapticHand& Hand, const FHapticSpace& Space) {
     wire::append(Frame.radii, static_cast<float>(pacinian::unreal::metres * FMath::Clamp(Radius, 0.1f, 10.0f)));
 }
 
-/// Returns a name that no other hand has: the side for the first hand of its side, "right 2" for the next. A hand keeps
+/// Gives the hand a name that no other has: the side for the first hand of its side, "right 2" for the next. A hand keeps
 /// it until its side changes.
-FString UHapticHandComponent::MakeName() const {
-  const FString Own = Side == EHapticSide::Left ? TEXT("left") : TEXT("right");
-  if (SentName.StartsWith(Own, ESearchCase::CaseSensitive)) return SentName;
+void UHapticHandComponent::ChooseName() {
+  const TCHAR* Own = Side == EHapticSide::Left ? TEXT("left") : TEXT("right");
+  if (SentName.StartsWith(Own, ESearchCase::CaseSensitive)) return;
   const UHapticScene* Scene = UHapticScene::Of(this);
   const auto IsTaken = [&](const FString& Wanted) {
     for (const TObjectPtr<UHapticHandComponent>& Hand : Scene->Hands)
@@ -122,8 +134,8 @@ FString UHapticHandComponent::MakeName() const {
     return false;
   };
   FString Made = Own;
-  for (int32 i = 2; Scene && IsTaken(Made); ++i) Made = FString::Printf(TEXT("%s %d"), *Own, i);
-  return Made;
+  for (int32 i = 2; Scene && IsTaken(Made); ++i) Made = FString::Printf(TEXT("%s %d"), Own, i);
+  SentName = MoveTemp(Made);
 }
 
 /// Adds velocities to the hand, from the movement of its mean joint since the last frame.

@@ -18,7 +18,11 @@ struct FHapticLink {
   std::vector<pacinian::wire::Zone> Zones, SentZones;
   double ZonesDue = Never;  ///< by the client's clock [s]: when they are sent again
   double Ticked = 0.0;      ///< by the client's clock [s]: the last frame
-  uint32 HandsSession = 0, ZonesSession = 0, ListedSession = 0;  ///< sessions in which they were last sent
+  double Reported = Never;  ///< by the client's clock [s]: the last frame, with or without a session
+  int32 LongFrames = 0;     ///< how many frames in a row took longer than the lease
+  FString LoggedProblem;    ///< why there is no session, as last logged
+  TArray<FVector> Corners;  ///< of the array, in its own frame [cm]
+  uint32 HandsSession = 0, ZonesSession = 0, ListedSession = 0, CornersSession = 0;  ///< in which they were last set
 };
 
 /** A hand to be written. */

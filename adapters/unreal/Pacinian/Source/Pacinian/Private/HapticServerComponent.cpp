@@ -19,11 +19,12 @@ UHapticServerComponent::UHapticServerComponent() {
 
 void UHapticServerComponent::BeginPlay() {
   Super::BeginPlay();
+  if (GetNetMode() == NM_DedicatedServer) return SetComponentTickEnabled(false);  // it has no player; clients connect
   UHapticScene* Scene = UHapticScene::Of(this);
   if (Scene) Scene->Servers.AddUnique(this);
-  Exit = FCoreDelegates::OnEnginePreExit.AddUObject(this, &UHapticServerComponent::Leave);
-  bWaits = Scene && Scene->GetServer() != this;
-  if (bWaits) {
+  Exit = FCoreDelegates::OnEnginePreExit.AddUObject(this, &UHapticServerComponent::Disconnect);
+  bInReserve = Scene && Scene->GetServer() != this;
+  if (bInReserve) {
     UE_LOG(LogPacinian, Log, TEXT("%s"), *GetWaiting());
     return;
   }
@@ -32,21 +33,21 @@ void UHapticServerComponent::BeginPlay() {
 
 /// Starts this component, also when the one in use before is gone.
 void UHapticServerComponent::Start() {
-  bWaits = false;
+  bInReserve = false;
   FString Problem;
   if (bStartServer) StartServer(Problem);
   if (bConnectOnPlay) Connect();
 }
 
 void UHapticServerComponent::EndPlay(const EEndPlayReason::Type Reason) {
-  Leave();
+  Disconnect();
   FCoreDelegates::OnEnginePreExit.Remove(Exit);
   if (UHapticScene* Scene = UHapticScene::Of(this)) Scene->Servers.Remove(this);
   Super::EndPlay(Reason);
 }
 
 void UHapticServerComponent::BeginDestroy() {
-  Leave();
+  Disconnect();
   Super::BeginDestroy();
 }
 
@@ -57,9 +58,9 @@ void UHapticServerComponent::Connect() {
     UE_LOG(LogPacinian, Warning, TEXT("%s does not connect: %s"), *GetName(), *Why);
     return;
   }
-  Leave();
-  bFirst = true;
-  bWanted = false;
+  Disconnect();
+  bFirstSession = true;
+  bWantsSound = false;
   Link = MakeShared<FHapticLink>(Haptic::MakeOptions(*this));
   pacinian::Events& On = Link->Client.on;
   On.connected = [this] { Begun(); };
@@ -88,23 +89,21 @@ void UHapticServerComponent::Connect() {
 }
 
 void UHapticServerComponent::Refused(const pacinian::Refusal& Told) {
-  const FString Code = Haptic::Text(Told.code), Message = Haptic::Text(Told.message), Advice = Haptic::Text(Told.advice);
-  const FString Path = Haptic::Text(Told.path);
+  const FString Code = Haptic::Text(Told.code), Message = Haptic::Text(Told.message), Path = Haptic::Text(Told.path);
   const FString Before = MoveTemp(Complaint);
-  Complaint = FString::Printf(TEXT("%s: %s (%s); %s"), *Code, *Message, *Path, *Advice);
+  Complaint = Haptic::Text(Told.text());
+  bRefusedEffect = Path.StartsWith(TEXT("$.objects"), ESearchCase::CaseSensitive);
   if (Told.code == "stop") Unstopped = Complaint;
   if (Complaint != Before) UE_LOG(LogPacinian, Warning, TEXT("Refused: %s"), *Complaint);
   if (Link) Haptic::RefuseZones(*Link, Code, Path);
   if (const UHapticScene* Scene = UHapticScene::Of(this))
     for (const TObjectPtr<UHapticEffectComponent>& Effect : Scene->Effects) Effect->Refuse(Path, Message);
-  OnRefused.Broadcast(Code, Message, Advice);
+  OnRefused.Broadcast(Code, Message, Haptic::Text(Told.advice));
 }
-
-void UHapticServerComponent::Disconnect() { Leave(); }
 
 void UHapticServerComponent::Reconnect() { Connect(); }
 
-void UHapticServerComponent::Leave() {
+void UHapticServerComponent::Disconnect() {
   const TSharedPtr<FHapticLink> Held = MoveTemp(Link);
   Link.Reset();
   if (!Held) return;
@@ -130,30 +129,30 @@ void UHapticServerComponent::Begun() {
   Complaint.Reset();
   Unstopped.Reset();
   Choose(true, true, true);
-  if (bFirst ? bArmOnConnect : bArmAgainAfterLoss && bWanted) Arm();
-  bFirst = false;
+  if (bFirstSession ? bArmOnConnect : bArmAgainAfterLoss && bWantsSound) Arm();
+  bFirstSession = false;
   UE_LOG(LogPacinian, Log, TEXT("Connected to %s"), *Haptic::Text(Link->Client.server()));
   OnConnected.Broadcast();
 }
 
 void UHapticServerComponent::Ended(const FString& Code, const FString& Message) {
   UE_LOG(LogPacinian, Warning, TEXT("Sound has ended (%s): %s"), *Code, *Message);
-  bWanted = false;
+  bWantsSound = false;
   OnEnded.Broadcast(Code, Message);
 }
 
 bool UHapticServerComponent::Arm() {
-  bWanted = Link && Link->Client.arm(bTakeOver);
-  return bWanted;
+  bWantsSound = Link && Link->Client.arm(bTakeOver);
+  return bWantsSound;
 }
 
 void UHapticServerComponent::Disarm() {
-  bWanted = false;
+  bWantsSound = false;
   if (Link) Link->Client.disarm();
 }
 
 void UHapticServerComponent::EmergencyStop() {
-  bWanted = false;
+  bWantsSound = false;
   Unstopped.Reset();
   if (!Link) {
     Link = MakeShared<FHapticLink>(Haptic::MakeOptions(*this));
@@ -171,12 +170,13 @@ void UHapticServerComponent::ResetOutput() {
 void UHapticServerComponent::TickComponent(float DeltaTime, ELevelTick TickType, FActorComponentTickFunction* Tick) {
   Super::TickComponent(DeltaTime, TickType, Tick);
   UHapticScene* Scene = UHapticScene::Of(this);
-  if (bWaits && Scene && Scene->GetServer() == this) Start();
-  if (bWaits) return;
+  if (bInReserve && Scene && Scene->GetServer() == this) Start();
+  if (bInReserve) return;
   Haptic::TickServer(IsConnected());
   const TSharedPtr<FHapticLink> Held = Link;  // a handler may disconnect
   if (!Held) return;
   Held->Client.tick();
+  if (Link == Held) Report();
   if (Link != Held || !IsConnected() || !Scene) return;
   Haptic::ListPlugins(*Held);
   const UArrayOriginComponent* Origin = Scene->GetOrigin();
@@ -188,4 +188,5 @@ void UHapticServerComponent::TickComponent(float DeltaTime, ELevelTick TickType,
   Held->Ticked = Now;
   for (int32 i = Scene->Effects.Num() - 1; i >= 0; --i)
     if (i < Scene->Effects.Num()) Scene->Effects[i]->Send(Frame);
+  ForgetRefusal(*Scene);
 }

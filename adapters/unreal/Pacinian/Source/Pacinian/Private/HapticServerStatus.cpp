@@ -1,4 +1,7 @@
+#include "Engine/Engine.h"
 #include "GameFramework/Actor.h"
+#include "HAL/IConsoleManager.h"
+#include "HapticEffectComponent.h"
 #include "HapticLink.h"
 #include "HapticScene.h"
 #include "HapticServerComponent.h"
@@ -6,6 +9,14 @@
 #include "StartedServer.h"
 
 using pacinian::wire::Output;
+
+namespace {
+
+#if !UE_BUILD_SHIPPING
+TAutoConsoleVariable<bool> ShowsSilence(TEXT("pacinian.ShowSilence"), true, TEXT("Shows on the screen why nothing is felt."));
+#endif
+
+}  // namespace
 
 bool UHapticServerComponent::IsConnected() const { return Link && Link->Session > 0; }
 
@@ -38,7 +49,7 @@ FString UHapticServerComponent::GetWaiting() const {
 
 FString UHapticServerComponent::GetProblem() const {
   if (!Unstopped.IsEmpty()) return Unstopped;
-  if (bWaits) return GetWaiting();
+  if (bInReserve) return GetWaiting();
   if (IsConnected()) return Complaint;
   const FString Server = Haptic::ServerProblem();
   if (!Server.IsEmpty()) return Server;
@@ -52,6 +63,39 @@ FString UHapticServerComponent::GetSilence() const {
 
 FString UHapticServerComponent::GetSilenceCause() const {
   return Link ? Haptic::Text(Link->Client.silence().cause) : FString(TEXT("not connected"));
+}
+
+/// Logs why there is no session when that changes, and which setting makes the editor too slow. Shows on the screen why
+/// nothing is felt.
+void UHapticServerComponent::Report() const {
+  const FString Problem = IsConnected() ? FString() : Haptic::Text(Link->Client.problem());
+  if (!Problem.IsEmpty() && Problem != Link->LoggedProblem) UE_LOG(LogPacinian, Warning, TEXT("Not connected: %s"), *Problem);
+  Link->LoggedProblem = Problem;
+#if WITH_EDITOR
+  constexpr int32 Many = 3;  // frames
+  const double Now = Link->Client.now();
+  Link->LongFrames = IsConnected() && Now - Link->Reported > Link->Client.lease() ? Link->LongFrames + 1 : 0;
+  Link->Reported = Now;
+  if (Link->LongFrames == Many)
+    UE_LOG(LogPacinian, Warning, TEXT("Frame after frame takes longer than the lease, so the array stays silent. In the background "
+                                      "the editor draws few frames: in Editor Preferences, General, Performance, untick Use Less "
+                                      "CPU when in Background"));
+#endif
+#if !UE_BUILD_SHIPPING
+  if (!GEngine || !ShowsSilence.GetValueOnGameThread()) return;
+  const FString Silence = GetSilence();
+  if (!Silence.IsEmpty())  // for one frame
+    GEngine->AddOnScreenDebugMessage(reinterpret_cast<uint64>(this), 0.0f, FColor::White, TEXT("Haptics: ") + Silence);
+#endif
+}
+
+/// Forgets that an effect was refused as soon as no effect has a problem: the refused one was sent again, or is gone.
+void UHapticServerComponent::ForgetRefusal(const UHapticScene& Scene) {
+  if (!bRefusedEffect) return;
+  for (const TObjectPtr<UHapticEffectComponent>& Effect : Scene.Effects)
+    if (!Effect->GetProblem().IsEmpty()) return;
+  bRefusedEffect = false;
+  Complaint.Reset();
 }
 
 float UHapticServerComponent::GetLatency() const {

@@ -20,6 +20,16 @@ const USceneComponent* UHapticSurfaceComponent::GetShapeOwner() const {
   return Found ? Found : this;
 }
 
+TArray<uint64> UHapticSurfaceComponent::GetShapeValues() const {
+  if (Shape != EHapticSurface::Mesh) return {};
+  return {reinterpret_cast<uint64>(GetMesh())};
+}
+
+const UStaticMesh* UHapticSurfaceComponent::GetMesh() const {
+  const UStaticMeshComponent* Found = Mesh ? nullptr : Haptic::MeshNear(*this);
+  return Found ? Found->GetStaticMesh() : Mesh.Get();
+}
+
 FTransform UHapticSurfaceComponent::GetShapeTransform() const {
   FTransform Made = Super::GetShapeTransform();
   const FQuat HalfTurn(1.0, 0.0, 0.0, 0.0);  // about X
@@ -33,10 +43,8 @@ bool UHapticSurfaceComponent::Describe(FHapticBody& Body, FString& Problem) cons
   const FVector& Scale = Body.Scale;
   switch (Shape) {
     case EHapticSurface::Mesh: {
-      const UStaticMeshComponent* Found = Mesh ? nullptr : Haptic::MeshNear(*this);
-      const UStaticMesh* Used = Found ? Found->GetStaticMesh() : Mesh.Get();
       wire::Mesh Made;
-      if (!Haptic::ToWire(Used, Scale, Made, Problem)) return false;
+      if (!Haptic::ToWire(GetMesh(), Scale, Made, Problem)) return false;
       Surface.shape = MoveTemp(Made);
       break;
     }

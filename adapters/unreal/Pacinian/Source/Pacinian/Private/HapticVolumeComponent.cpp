@@ -26,6 +26,11 @@ const UStaticMesh* UHapticVolumeComponent::GetMesh() const {
 }
 
 bool UHapticVolumeComponent::Describe(FHapticBody& Body, FString& Problem) const {
+  constexpr double SmallestScale = 1e-6;
+  if (Body.Scale.GetAbsMin() < SmallestScale) {
+    Problem = TEXT("its scale is 0 along an axis, so it has no inside: give it another scale");
+    return false;
+  }
   wire::Volume Volume;
   Volume.thickness = FMath::Clamp(0.01 * Thickness, 1e-4, 10.0);
   Volume.felt = Felt == EHapticFelt::Interior ? wire::VolumeFelt::interior : wire::VolumeFelt::shell;

@@ -2,6 +2,10 @@
 
 #include <cmath>
 
+THIRD_PARTY_INCLUDES_START
+#include "pacinian/wire/protocol.h"
+THIRD_PARTY_INCLUDES_END
+
 namespace wire = pacinian::wire;
 
 namespace Haptic {
@@ -11,7 +15,6 @@ namespace {
 constexpr double MaxSpeed = 10.0;  // [m/s], and times 5 [rad/s]; faster is a jump
 constexpr double MinMove = 1e-6;    // [m]
 constexpr double MinTurn = 1e-5;  // [rad]
-constexpr double MaxCoordinate = 10.0;  // [m]
 
 /// Returns the rotation from one to the other, as a vector along its axis [rad].
 pacinian::Vec3 Turn(const pacinian::Quat& From, const pacinian::Quat& To) {
@@ -39,12 +42,14 @@ wire::Motion MotionOf(const pacinian::Rigid& From, const pacinian::Rigid& To, do
   return {{Velocity.x, Velocity.y, Velocity.z}, {Angular.x, Angular.y, Angular.z}};
 }
 
+std::array<double, 3> ToWire(const pacinian::Vec3& Given) {
+  constexpr double Most = wire::MAX_COORDINATE;
+  return {FMath::Clamp(Given.x, -Most, Most), FMath::Clamp(Given.y, -Most, Most), FMath::Clamp(Given.z, -Most, Most)};
+}
+
 wire::Pose ToWire(const pacinian::Rigid& Given) {
-  const pacinian::Vec3& At = Given.position;
   const pacinian::Quat& Turned = Given.rotation;
-  return {{FMath::Clamp(At.x, -MaxCoordinate, MaxCoordinate), FMath::Clamp(At.y, -MaxCoordinate, MaxCoordinate),
-           FMath::Clamp(At.z, -MaxCoordinate, MaxCoordinate)},
-          {Turned.x, Turned.y, Turned.z, Turned.w}};
+  return {ToWire(Given.position), {Turned.x, Turned.y, Turned.z, Turned.w}};
 }
 
 wire::HapticObject& Placed(wire::Object& Object, const wire::Pose& Pose) {

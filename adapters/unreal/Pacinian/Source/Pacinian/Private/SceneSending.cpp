@@ -4,6 +4,7 @@
 
 #include "HapticHandComponent.h"
 #include "HapticScene.h"
+#include "Motion.h"
 #include "QuietZoneComponent.h"
 
 THIRD_PARTY_INCLUDES_START
@@ -16,7 +17,6 @@ namespace Haptic {
 
 namespace {
 
-constexpr double FarthestZone = 10.0;  // [m]
 constexpr float LowestPressure = 0.1f, HighestPressure = 1e6f;  // [Pa]
 
 bool Same(const wire::Zone& A, const wire::Zone& B) {
@@ -41,10 +41,8 @@ void SendZones(FHapticLink& Link, UHapticScene& Scene) {
   Link.Zones.resize(std::min<std::size_t>(Scene.Zones.Num(), wire::MAX_ZONES));
   for (std::size_t i = 0; i < Link.Zones.size(); ++i) {
     const UQuietZoneComponent& Given = *Scene.Zones[static_cast<int32>(i)];
-    const pacinian::Vec3 Place = Link.Space.Into(Given.GetComponentLocation());
     wire::Zone& Zone = Link.Zones[i];
-    Zone.position = {FMath::Clamp(Place.x, -FarthestZone, FarthestZone), FMath::Clamp(Place.y, -FarthestZone, FarthestZone),
-                     FMath::Clamp(Place.z, -FarthestZone, FarthestZone)};
+    Zone.position = ToWire(Link.Space.Into(Given.GetComponentLocation()));
     // What is not a number protects most.
     Zone.pressure = Given.Pressure > LowestPressure ? FMath::Clamp(Given.Pressure, LowestPressure, HighestPressure) : LowestPressure;
     Zone.radius = Given.Radius < 100.0f ? FMath::Clamp(0.01 * Given.Radius, 0.0, 1.0) : 1.0;

@@ -19,6 +19,8 @@ namespace {
 
 constexpr double Metres = pacinian::unreal::metres;
 
+using FColliders = TInlineComponentArray<const UPrimitiveComponent*>;  // on the stack: it is made in each frame
+
 bool HasColliders(const UPrimitiveComponent* Component) {
   const UBodySetup* Setup = Component ? const_cast<UPrimitiveComponent*>(Component)->GetBodySetup() : nullptr;
   if (!Setup) return false;
@@ -44,7 +46,7 @@ bool IsTaken(const USceneComponent& Component) {
 }
 
 /// Collects a component, if it has colliders, and all components below it.
-void Gather(const USceneComponent& Component, TArray<const UPrimitiveComponent*>& Found) {
+void Gather(const USceneComponent& Component, FColliders& Found) {
   if (const auto* Own = Cast<UPrimitiveComponent>(&Component); HasColliders(Own)) Found.Add(Own);
   for (const TObjectPtr<USceneComponent>& Below : Component.GetAttachChildren())
     if (Below && !IsTaken(*Below)) Gather(*Below, Found);
@@ -101,7 +103,7 @@ bool ToWire(const UPrimitiveComponent* Collider, wire::Solid& Made, FString& Pro
     Problem = TEXT("there is no sphere, box or capsule to collide with on the actor: add one, or set Shape to Mesh");
     return false;
   }
-  TArray<const UPrimitiveComponent*> Found;
+  FColliders Found;
   Gather(*Collider, Found);
   const pacinian::Rigid Whole = pacinian::inverse(FHapticSpace::Metres(Collider->GetComponentTransform()));
   wire::Union Parts;
@@ -119,7 +121,7 @@ bool ToWire(const UPrimitiveComponent* Collider, wire::Solid& Made, FString& Pro
 }
 
 TArray<uint64> ValuesOf(const UPrimitiveComponent* Collider) {
-  TArray<const UPrimitiveComponent*> Found;
+  FColliders Found;
   if (Collider) Gather(*Collider, Found);
   TArray<uint64> Values;
   for (const UPrimitiveComponent* Each : Found) {

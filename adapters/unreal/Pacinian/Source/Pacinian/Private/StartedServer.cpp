@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "CoreIncludes.h"
+#include "HAL/FileManager.h"
 #include "HapticServerComponent.h"
 #include "Interfaces/IPluginManager.h"
 #include "Misc/Paths.h"
@@ -38,7 +39,11 @@ bool StartServer(const FString& ConnectionFile, FString& Problem) {
   Options.program = Text(Program());
   for (const FString& Word : GetDefault<UPacinianSettings>()->ServerArguments) Options.arguments.push_back(Text(Word));
   Options.connection_path = Text(ConnectionFile);
-  Options.log = Text(FPaths::ConvertRelativePathToFull(FPaths::Combine(FPaths::ProjectLogDir(), TEXT("PacinianServer.log"))));
+  const FString Logs = FPaths::ConvertRelativePathToFull(FPaths::ProjectLogDir());  // a game for users may not have made it
+  if (IFileManager::Get().MakeDirectory(*Logs, /*Tree=*/true))
+    Options.log = Text(FPaths::Combine(Logs, TEXT("PacinianServer.log")));
+  else
+    UE_LOG(LogPacinian, Warning, TEXT("The server has no log, because its folder %s cannot be made"), *Logs);
   if (!Started || !Started->runs()) Started = std::make_unique<pacinian::ServerProcess>(MoveTemp(Options));
   const bool bStarted = Started->start();
   Problem = ServerProblem();

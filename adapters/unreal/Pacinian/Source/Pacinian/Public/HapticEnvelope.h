@@ -42,11 +42,11 @@ class PACINIAN_API UHapticEnvelope : public UDataAsset {
   float Frequency = 150.0f;
 
   /** The lowest level. */
-  UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Envelope", meta = (ClampMin = "0", ClampMax = "1", EditCondition = "Kind >= EHapticEnvelope::Sine && Kind <= EHapticEnvelope::Noise", EditConditionHides))
+  UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Envelope", meta = (ClampMin = "0", ClampMax = "1", EditCondition = "Kind == EHapticEnvelope::Sine || Kind == EHapticEnvelope::Square || Kind == EHapticEnvelope::Pulse || Kind == EHapticEnvelope::Noise", EditConditionHides))
   float Low = 0.0f;
 
   /** The highest level. */
-  UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Envelope", meta = (ClampMin = "0", ClampMax = "1", EditCondition = "Kind >= EHapticEnvelope::Sine && Kind <= EHapticEnvelope::Noise", EditConditionHides))
+  UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Envelope", meta = (ClampMin = "0", ClampMax = "1", EditCondition = "Kind == EHapticEnvelope::Sine || Kind == EHapticEnvelope::Square || Kind == EHapticEnvelope::Pulse || Kind == EHapticEnvelope::Noise", EditConditionHides))
   float High = 1.0f;
 
   /** Fraction of a period with the high level. */

@@ -6,6 +6,7 @@
 
 #include "HapticHandComponent.generated.h"
 
+class APlayerController;
 struct FHapticSpace;
 struct FHapticHand;
 
@@ -76,12 +77,14 @@ class PACINIAN_API UHapticHandComponent : public UActorComponent {
   void Track();
   void Open(const FVector& Offset);
   void FollowMouse();
+  void ShowCursor(APlayerController* Player);
   void Predict(FHapticHand& Hand);
-  FString MakeName() const;
+  void ChooseName();
 
   TArray<FVector> Joints;
   TArray<float> Radii;
   FVector Middle = FVector::ZeroVector;  ///< mean joint as last sent, in the array's frame [m]
   double Time = -1.0;                    ///< real time of that [s]; negative: never
+  TWeakObjectPtr<APlayerController> CursorPlayer;  ///< whose cursor this hand has shown
   FString SentName;                      ///< on the server; empty until it is first sent
 };

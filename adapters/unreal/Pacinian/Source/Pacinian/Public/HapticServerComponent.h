@@ -19,6 +19,7 @@ namespace pacinian {
 class Client;
 struct Refusal;
 }
+class UHapticScene;
 struct FHapticLink;
 
 /** The connection to `pacinian serve`, which makes the level's haptic components felt. If a level has several, the
@@ -228,16 +229,18 @@ class PACINIAN_API UHapticServerComponent : public UActorComponent {
   FString GetWaiting() const;
   void Begun();
   void Refused(const pacinian::Refusal& Told);
+  void ForgetRefusal(const UHapticScene& Scene);
   void Ended(const FString& Code, const FString& Message);
+  void Report() const;
   void Choose(bool bIntensity, bool bSolver, bool bBackend);
-  void Leave();
   void Touched(const FHapticTouch& Touch, bool bBegins);
 
   TSharedPtr<FHapticLink> Link;
   FDelegateHandle Exit;
   FString Complaint;     ///< the server's last refusal in this session
   FString Unstopped;     ///< why an emergency stop was not confirmed
-  bool bFirst = false;   ///< no session since Connect
-  bool bWaits = false;   ///< until the component in use is gone
-  bool bWanted = false;  ///< armed, and not disarmed since
+  bool bRefusedEffect = false;  ///< that refusal was of an effect
+  bool bFirstSession = false;  ///< no session since Connect
+  bool bInReserve = false;     ///< until the component in use is gone
+  bool bWantsSound = false;    ///< armed, and not disarmed since
 };

@@ -46,6 +46,10 @@ class PACINIAN_API UHapticSurfaceComponent : public UHapticEffectComponent {
  protected:
   virtual bool Describe(FHapticBody& Body, FString& Problem) const override;
   virtual const USceneComponent* GetShapeOwner() const override;
+  virtual TArray<uint64> GetShapeValues() const override;
   /** Turned over if a negative scale along Z mirrors a rectangle or disc. A mesh has mirrored faces instead. */
   virtual FTransform GetShapeTransform() const override;
+
+ private:
+  const UStaticMesh* GetMesh() const;
 };

@@ -28,7 +28,7 @@ struct PACINIAN_API FHapticTechnique {
   EHapticTechnique Kind = EHapticTechnique::Server;
 
   /** AM, STM and LM: the frequency [Hz]. */
-  UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics", meta = (ClampMin = "0.1", ClampMax = "20000", Units = "Hz", EditCondition = "Kind >= EHapticTechnique::AM", EditConditionHides))
+  UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Haptics", meta = (ClampMin = "0.1", ClampMax = "20000", Units = "Hz", EditCondition = "Kind == EHapticTechnique::AM || Kind == EHapticTechnique::STM || Kind == EHapticTechnique::LM", EditConditionHides))
   float Frequency = 200.0f;
 
   /** AM: the depth; 1 goes down to silence. */

@@ -16,6 +16,8 @@
 
 #define LOCTEXT_NAMESPACE "Pacinian"
 
+DEFINE_LOG_CATEGORY_STATIC(LogPacinianEditor, Log, All);
+
 /** Registers the details panel, the visualizers and the entries of the Tools menu. */
 class FPacinianEditorModule : public IModuleInterface {
  public:
@@ -27,6 +29,8 @@ class FPacinianEditorModule : public IModuleInterface {
       GUnrealEd->RegisterComponentVisualizer(UArrayOriginComponent::StaticClass()->GetFName(),
                                              MakeShared<FArrayOriginVisualizer>());
       for (const FName& Effect : Effects()) GUnrealEd->RegisterComponentVisualizer(Effect, MakeShared<FHapticEffectVisualizer>());
+    } else {
+      UE_LOG(LogPacinianEditor, Warning, TEXT("Effects and the array are not drawn, because the editor's engine is missing"));
     }
     UToolMenus::RegisterStartupCallback(
         FSimpleMulticastDelegate::FDelegate::CreateRaw(this, &FPacinianEditorModule::AddMenu));
@@ -74,10 +78,15 @@ class FPacinianEditorModule : public IModuleInterface {
     FMessageDialog::Open(EAppMsgType::Ok, FText::FromString(Problem));
   }
 
-  /// Stops the servers of all open levels; without any, the server at the default connection.
+  /// Stops the servers of all open levels; without any, the server at the default connection. Skips templates: default
+  /// objects of classes, with their components.
   static void EmergencyStop() {
     bool bFound = false;
-    for (TObjectIterator<UHapticServerComponent> It; It; ++It, bFound = true) It->EmergencyStop();
+    for (TObjectIterator<UHapticServerComponent> It; It; ++It) {
+      if (It->IsTemplate()) continue;
+      It->EmergencyStop();
+      bFound = true;
+    }
     if (!bFound) GetMutableDefault<UHapticServerComponent>()->EmergencyStop();
   }
 };

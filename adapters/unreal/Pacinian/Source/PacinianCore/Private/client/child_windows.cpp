@@ -1,23 +1,13 @@
 #ifdef _WIN32
 
-#define WIN32_LEAN_AND_MEAN
-#define NOMINMAX
-#include <windows.h>
-
 #include <utility>
 
 #include "child.h"
+#include "wide_text.h"
 
 namespace pacinian::client {
 
 namespace {
-
-std::wstring widen(const std::string& text) {
-  const int size = static_cast<int>(text.size());
-  std::wstring wide(static_cast<std::size_t>(::MultiByteToWideChar(CP_UTF8, 0, text.data(), size, nullptr, 0)), L'\0');
-  ::MultiByteToWideChar(CP_UTF8, 0, text.data(), size, &wide[0], static_cast<int>(wide.size()));
-  return wide;
-}
 
 /// Quotes a word for CommandLineToArgvW, where backslashes count only before quotes.
 std::wstring quote(const std::wstring& word) {

@@ -10,6 +10,7 @@
 #include "client_impl.h"
 #include "pacinian/space/rigid.h"
 #include "pacinian/wire/bulk.h"
+#include "pacinian/wire/protocol.h"
 
 namespace pacinian {
 
@@ -21,14 +22,14 @@ namespace {
 
 using Requests = std::vector<Request>;
 
-constexpr double farthest = 10.0, fastest = 100.0;  // [m] along each axis; [m/s] or [rad/s]
-
-float clamped(double place) { return static_cast<float>(std::max(-farthest, std::min(place, farthest))); }
+float clamped(double place) {
+  return static_cast<float>(std::max(-wire::MAX_COORDINATE, std::min(place, wire::MAX_COORDINATE)));
+}
 
 /// Returns a factor that makes a velocity no faster than the server accepts, also in single precision.
 double shortening(const std::array<double, 3>& v) {
   const double length = std::hypot(v[0], v[1], v[2]);
-  return length > fastest ? fastest * (1.0 - 1e-6) / length : 1.0;
+  return length > wire::MAX_SPEED ? wire::MAX_SPEED * (1.0 - 1e-6) / length : 1.0;
 }
 
 template <std::size_t N>

@@ -1,8 +1,5 @@
 #include "connection_file.h"
 
-#include <cstdlib>
-#include <fstream>
-
 #include "pacinian/wire/flat_json.h"
 #include "system.h"
 
@@ -15,7 +12,7 @@ constexpr char file[] = "/connection.json";
 constexpr char fix[] = "is `pacinian serve` running, or still starting?";
 
 bool exists(const std::string& path) {
-  return static_cast<bool>(std::ifstream(path));
+  return static_cast<bool>(open_file(path));
 }
 
 bool decode(const std::string& content, ConnectionFile& out, std::string& problem) {
@@ -83,8 +80,8 @@ bool ConnectionFile::read(const std::string& path, std::string& problem) {
 
 std::string where(const std::string& path) {
   if (!path.empty()) return path;
-  const char* given = std::getenv(variable);
-  if (given && *given) return given;
+  const std::string given = read_variable(variable);
+  if (!given.empty()) return given;
   const std::vector<std::string> folders = runtime_folders();
   for (const std::string& folder : folders)
     if (exists(folder + file)) return folder + file;

@@ -1,13 +1,9 @@
 #ifdef _WIN32
 
-#define WIN32_LEAN_AND_MEAN
-#define NOMINMAX
-#include <winsock2.h>
-#include <ws2tcpip.h>
-
 #include <cstdlib>
 
 #include "datagram_socket.h"
+#include "zmtp/windows_headers.h"
 
 namespace pacinian::client {
 

@@ -10,6 +10,7 @@
 #include "libzmq_socket.h"
 #include "pacinian/wire/protocol.h"
 #include "pacinian/wire/state.h"
+#include "zmtp/zmtp_settings.h"
 
 namespace pacinian::client {
 
@@ -19,13 +20,14 @@ constexpr int denied = ZMQ_EVENT_HANDSHAKE_FAILED_AUTH;
 constexpr int foreign = ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL;
 constexpr int all_endings = ZMQ_EVENT_CLOSED | ZMQ_EVENT_DISCONNECTED | denied | foreign;
 constexpr std::size_t key_size = 40;  // [characters] of a key in Z85
+constexpr int timeout_ms = static_cast<int>(1e3 * zmtp::default_timeout);
 
 struct Option {
   int option, value;
 };
 
 constexpr Option options_of_all[] = {
-    {ZMQ_SNDHWM, 16}, {ZMQ_HANDSHAKE_IVL, 2000}, {ZMQ_CONNECT_TIMEOUT, 2000},  // [ms], like all below
+    {ZMQ_SNDHWM, 16}, {ZMQ_HANDSHAKE_IVL, timeout_ms}, {ZMQ_CONNECT_TIMEOUT, timeout_ms},  // [ms], like all below
 };
 constexpr Option options_of_dealers[] = {{ZMQ_IMMEDIATE, 1}, {ZMQ_RECONNECT_IVL, -1}};
 // No receive limit: at a limit, libzmq 4.3 aborts the process if a heartbeat is due.

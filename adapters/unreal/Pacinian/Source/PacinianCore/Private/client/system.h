@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,12 @@ enum class Secret : std::uint8_t { good, absent, unreadable, shared, foreign };
 
 /// Reads at most `longest` bytes of a file that only its user may read.
 Secret read_secret(const std::string& path, std::size_t longest, std::string& content, std::string& why);
+
+/// Opens a file for reading. path: in UTF-8, also on Windows.
+std::ifstream open_file(const std::string& path);
+
+/// Returns the value of an environment variable, in UTF-8; empty if there is none.
+std::string read_variable(const std::string& name);
 
 /// Returns whether a process with this number exists.
 bool runs(std::int64_t pid);

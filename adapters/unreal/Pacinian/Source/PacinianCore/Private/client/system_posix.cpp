@@ -16,11 +16,6 @@ namespace pacinian::client {
 
 namespace {
 
-std::string variable(const char* name) {
-  const char* value = std::getenv(name);
-  return value ? value : "";
-}
-
 Secret read_all(int file, std::size_t longest, std::string& content) {
   content.resize(longest + 1);
   std::size_t filled = 0;
@@ -64,12 +59,19 @@ bool runs(std::int64_t pid) {
   return ::kill(static_cast<pid_t>(pid), 0) == 0 || errno == EPERM;
 }
 
+std::ifstream open_file(const std::string& path) { return std::ifstream(path, std::ios::binary); }
+
+std::string read_variable(const std::string& name) {
+  const char* value = std::getenv(name.c_str());
+  return value ? value : "";
+}
+
 std::vector<std::string> runtime_folders() {
 #ifdef __APPLE__
-  return {variable("HOME") + "/Library/Caches/TemporaryItems/pacinian"};
+  return {read_variable("HOME") + "/Library/Caches/TemporaryItems/pacinian"};
 #else
-  const std::string user = std::to_string(::geteuid()), given = variable("XDG_RUNTIME_DIR");
-  const std::string temporary = variable("TMPDIR");
+  const std::string user = std::to_string(::geteuid()), given = read_variable("XDG_RUNTIME_DIR");
+  const std::string temporary = read_variable("TMPDIR");
   std::vector<std::string> folders;
   if (!given.empty()) folders.push_back(given + "/pacinian");
   folders.push_back("/run/user/" + user + "/pacinian");

@@ -1,20 +1,17 @@
 #ifdef _WIN32
 
-#define WIN32_LEAN_AND_MEAN
-#define NOMINMAX
-#include <windows.h>
-
 #include <cstdio>
 #include <cstdlib>
 
 #include "system.h"
+#include "wide_text.h"
 
 namespace pacinian::client {
 
 Secret read_secret(const std::string& path, std::size_t longest, std::string& content,
                    std::string& why) {
   std::FILE* file = nullptr;
-  const errno_t error = ::fopen_s(&file, path.c_str(), "rb");
+  const errno_t error = ::_wfopen_s(&file, widen(path).c_str(), L"rb");
   if (error == ENOENT) return Secret::absent;
   if (error != 0) {
     why = "error " + std::to_string(error);
@@ -36,13 +33,19 @@ bool runs(std::int64_t pid) {
   return running;
 }
 
-std::vector<std::string> runtime_folders() {
-  char* local = nullptr;
+std::ifstream open_file(const std::string& path) { return std::ifstream(widen(path).c_str(), std::ios::binary); }
+
+std::string read_variable(const std::string& name) {
+  wchar_t* wide = nullptr;
   std::size_t size = 0;
-  std::string folder;
-  if (::_dupenv_s(&local, &size, "LOCALAPPDATA") == 0 && local) folder = local;
-  std::free(local);
-  return {folder + "\\Temp\\pacinian\\pacinian"};
+  std::string value;
+  if (::_wdupenv_s(&wide, &size, widen(name).c_str()) == 0 && wide) value = narrow(wide);
+  std::free(wide);
+  return value;
+}
+
+std::vector<std::string> runtime_folders() {
+  return {read_variable("LOCALAPPDATA") + "\\Temp\\pacinian\\pacinian"};
 }
 
 }  // namespace pacinian::client

@@ -1,11 +1,7 @@
 #ifdef _WIN32
 
-#define WIN32_LEAN_AND_MEAN
-#define NOMINMAX
-#include <winsock2.h>
-#include <ws2tcpip.h>
-
 #include "wake_event.h"
+#include "zmtp/windows_headers.h"
 
 namespace pacinian::client {
 

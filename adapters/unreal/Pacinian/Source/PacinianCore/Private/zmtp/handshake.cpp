@@ -89,7 +89,7 @@ void Handshake::read_command(const FrameReader& input, FrameWriter& output) {
   } else if (step_ == Step::ready && ready) {
     check_type(command::find_property(*ready, "Socket-Type"));
   } else {
-    problem_ = "the handshake has a frame that does not belong there";
+    problem_ = "the peer sent an unexpected frame during the handshake";
   }
 }
 

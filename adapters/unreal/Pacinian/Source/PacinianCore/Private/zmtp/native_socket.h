@@ -43,6 +43,6 @@ struct Watch {
 };
 
 /// Waits until one of the sockets is ready, or for this time [s] at most.
-void wait(Watch* watches, std::size_t count, double seconds);
+void wait(Watch* watches, std::size_t watch_count, double seconds);
 
 }  // namespace pacinian::zmtp::native

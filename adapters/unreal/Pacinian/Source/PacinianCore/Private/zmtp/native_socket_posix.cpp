@@ -100,15 +100,15 @@ Moved send(Handle socket, const std::uint8_t* data, std::size_t size) {
   return count(::send(socket, data, size, no_signal));
 }
 
-void wait(Watch* watches, std::size_t count, double seconds) {
+void wait(Watch* watches, std::size_t watch_count, double seconds) {
   pollfd polled[max_watches];
-  count = std::min(count, max_watches);
-  for (std::size_t i = 0; i < count; ++i)
+  watch_count = std::min(watch_count, max_watches);
+  for (std::size_t i = 0; i < watch_count; ++i)
     polled[i] = {watches[i].handle,
                  static_cast<short>((watches[i].reads ? POLLIN : 0) | (watches[i].writes ? POLLOUT : 0)), 0};
   const double milliseconds = 1e3 * std::max(0.0, std::min(seconds, max_seconds));
-  const int ready = ::poll(polled, static_cast<nfds_t>(count), static_cast<int>(std::ceil(milliseconds)));
-  for (std::size_t i = 0; i < count; ++i) watches[i].is_ready = ready > 0 && polled[i].revents != 0;
+  const int ready = ::poll(polled, static_cast<nfds_t>(watch_count), static_cast<int>(std::ceil(milliseconds)));
+  for (std::size_t i = 0; i < watch_count; ++i) watches[i].is_ready = ready > 0 && polled[i].revents != 0;
 }
 
 }  // namespace pacinian::zmtp::native

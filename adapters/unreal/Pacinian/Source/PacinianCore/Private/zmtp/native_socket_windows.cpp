@@ -1,15 +1,11 @@
 #ifdef _WIN32
 
-#define WIN32_LEAN_AND_MEAN
-#define NOMINMAX
-#include <winsock2.h>
-#include <ws2tcpip.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 
 #include "native_socket.h"
+#include "windows_headers.h"
 
 namespace pacinian::zmtp::native {
 
@@ -103,13 +99,13 @@ Moved send(Handle socket, const std::uint8_t* data, std::size_t size) {
 
 /// Uses select, because WSAPoll before Windows 10 2004 does not report failed connections. A set holds 64 sockets,
 /// whatever their numbers.
-void wait(Watch* watches, std::size_t count, double seconds) {
+void wait(Watch* watches, std::size_t watch_count, double seconds) {
   fd_set reads, writes, fails;
   FD_ZERO(&reads);
   FD_ZERO(&writes);
   FD_ZERO(&fails);
   bool has_some = false;
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t i = 0; i < watch_count; ++i) {
     if (watches[i].handle == no_handle) continue;
     if (watches[i].reads) FD_SET(watches[i].handle, &reads);
     if (watches[i].writes) FD_SET(watches[i].handle, &writes);
@@ -121,7 +117,7 @@ void wait(Watch* watches, std::size_t count, double seconds) {
   timeval limit = {whole / 1000, whole % 1000 * 1000};
   if (!has_some) return ::Sleep(static_cast<DWORD>(whole));  // select rejects empty sets
   const int ready = ::select(0, &reads, &writes, &fails, &limit);
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t i = 0; i < watch_count; ++i) {
     const Handle handle = watches[i].handle;
     watches[i].is_ready = ready > 0 && handle != no_handle &&
                           (FD_ISSET(handle, &reads) || FD_ISSET(handle, &writes) || FD_ISSET(handle, &fails));

@@ -113,7 +113,7 @@ double ZmtpConnection::due() const {
 void ZmtpConnection::handle_command() {
   if (const command::Data ping = command::match(input_, command::ping)) answer_ping(*ping);
   if (const command::Data error = command::match(input_, command::error))
-    cut_off(Ending::gone, "the peer ends it: " + command::make_printable(command::read_text(*error).value_or("")));
+    cut_off(Ending::gone, "the peer closes the connection: " + command::make_printable(command::read_text(*error).value_or("")));
 }
 
 void ZmtpConnection::cut_off(Ending ending, std::string problem) {
@@ -123,7 +123,9 @@ void ZmtpConnection::cut_off(Ending ending, std::string problem) {
 
 void ZmtpConnection::answer_ping(std::string_view data) {
   if (data.size() < ttl_bytes || data.size() > ttl_bytes + max_context_bytes)
-    return cut_off(Ending::foreign, "a heartbeat of " + std::to_string(data.size()) + " bytes");
+    return cut_off(Ending::foreign,
+                   "the peer sent a heartbeat of " + std::to_string(data.size()) + " bytes, not " +
+                       std::to_string(ttl_bytes) + " to " + std::to_string(ttl_bytes + max_context_bytes));
   const double ttl = read_ttl(data);
   peer_deadline_ = ttl > 0.0 ? heard_ + ttl : never;
   if (output_.frames() < max_waiting_frames) output_.write_command(command::pong, data.substr(ttl_bytes));

@@ -25,5 +25,8 @@ constexpr std::int64_t MAX_VALUES = 200000;
 constexpr std::int64_t MAX_PARTICLES = 10000;
 constexpr std::int64_t MAX_PARTS = 16;
 constexpr std::int64_t MAX_OPTIONS = 32;
+constexpr double MAX_TIME_TO_LIVE = 60.0;
+constexpr double MAX_COORDINATE = 10.0;
+constexpr double MAX_SPEED = 100.0;
 
 }  // namespace pacinian::wire
