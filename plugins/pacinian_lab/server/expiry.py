@@ -105,7 +105,7 @@ def _measure_simulated(settings: Settings, count: int, chance: random.Random) ->
     guard = OutputGate(
         len(array), gain=1.0, frame_timeout=settings.safety.frame_timeout, clock=clock.now
     )
-    guard.take(backend, backend.capability)
+    guard.adopt_device(backend, backend.capability)
     data = levels(array)
     found: list[float] = []
     for epoch in range(1, count + 1):

@@ -115,7 +115,7 @@ def test_after_a_cut_frame_the_loop_asks_for_silence_and_may_go_on_later() -> No
 def test_the_servers_guard_asks_for_silence_until_it_succeeds_and_never_waits() -> None:
     it = Setup().open()
     guard = OutputGate(256, gain=1.0, frame_timeout=0.02, clock=it.clock.now)
-    guard.take(it.backend, it.backend.capability)
+    guard.adopt_device(it.backend, it.backend.capability)
     sequence = 0
 
     def turn() -> None:

@@ -82,7 +82,7 @@ def test_a_frame_arrives_with_all_that_the_guard_looks_at(wired: Wired) -> None:
 def test_amplitudes_that_are_not_even_arrive_with_the_device(wired: Wired, count: int) -> None:
     can = pc.Capability(16, tuple((np.linspace(0.0, 1.0, count) ** 0.8).tolist()), 2000.0, 0.1)
     guard = OutputGate(N, gain=1.0, frame_timeout=0.1)
-    guard.take(pc.backend("simulated"), can)
+    guard.adopt_device(pc.backend("simulated"), can)
     wired.set(guard.make_status({}, ()))
     assert wired.device.value.amplitudes == count
     assert wired.outputs.make_first().capability == can

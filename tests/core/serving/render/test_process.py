@@ -492,7 +492,7 @@ def test_a_late_solver_makes_late_ticks_and_no_fault(make: Callable[..., Server]
     assert state["fault_count"] == 0
 
 
-ZONE = Zone((0.08, 0.0, 0.2), pressure=1.0, radius=0.006)
+ZONE = Zone((0.08, 0.0, 0.2), pressure=2.0, radius=0.006)  # that 256 levels keep
 
 
 def zones(*given: Zone) -> SetQuiet:
@@ -524,7 +524,7 @@ def test_quiet_zones_are_kept_whatever_the_solver(make: Callable[..., Server], s
     assert server.sounds
     after = np.abs(pc.field(ARRAY, server.loop.renderer.emitted_gains, around, medium=pc.Air()))
     assert before.max() > 10.0 * ZONE.pressure
-    assert after.max() < 3.0 * ZONE.pressure  # due to rounding, not to the solver, and reported
+    assert after.max() <= ZONE.pressure
     (kept,) = server.loop.renderer.limits.zones  # larger than the zone, which may move
     within = np.abs(
         pc.field(ARRAY, server.loop.renderer.emitted_gains, kept.spread(0, 4000), medium=pc.Air())
