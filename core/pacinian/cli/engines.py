@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pacinian.cli.engine_package import Package, PackageError, find_package, install
+from pacinian.atomic_file import replace_file
 from pacinian.cli.nonempty import NonEmptyPath
 
 if TYPE_CHECKING:
@@ -215,7 +216,8 @@ def _note_unreal_program(file: Path) -> None:
         made = _set_server_command(text, program)
         if made != text:
             file.parent.mkdir(exist_ok=True)
-            file.write_bytes(made.encode(encoding))
+            with replace_file(file) as out:
+                out.write(made.encode(encoding))
             click.echo(f"Start Server of the plugin uses {program}: see {file}.")
 
 

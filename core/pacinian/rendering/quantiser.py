@@ -67,7 +67,9 @@ class Quantiser:
         if zones:
             gains /= np.maximum(np.abs(gains).max(axis=1, keepdims=True) / ceiling, 1.0)
         phase, amplitude = self._phase.reshape(-1), self._amplitude.reshape(-1)
-        self._round(gains.reshape(-1), ceiling, self._choose(down, zones), phase, amplitude)
+        self._round(
+            gains.reshape(-1), ceiling, self._choose_thresholds(down, zones), phase, amplitude
+        )
         return Frame(sequence, time, *self._shown)
 
     def quantise_gains(
@@ -78,11 +80,11 @@ class Quantiser:
 
         phase, amplitude = np.zeros((2, len(gains)), dtype=np.uint16)
         made = np.zeros(len(gains), dtype=np.complex64)
-        self._round(gains, ceiling, self._choose(down, zones), phase, amplitude)
+        self._round(gains, ceiling, self._choose_thresholds(down, zones), phase, amplitude)
         kernels.dequantise(phase, amplitude, self._unit, self._size, made)
         return made
 
-    def _choose(self, down: bool, zones: bool) -> Singles:
+    def _choose_thresholds(self, down: bool, zones: bool) -> Singles:
         """Return the thresholds for rounding amplitudes up, see `dither_thresholds`."""
         nearest = zones and len(self._size) >= MIN_UNDITHERED_LEVELS
         return self._none if down else self._half if nearest else self._dither

@@ -492,8 +492,10 @@ class Renderer(Closeable):
 
     def _scene(self, t: float) -> Scene:
         """Return the scene at time t [s]."""
+        if isinstance(self.scene, Scene):
+            return self.scene
         _check_scene(self.scene)  # which may have been set to anything
-        scene = self.scene if isinstance(self.scene, Scene) else self.scene(t)
+        scene = self.scene(t)
         check_kind("scene", scene, Scene)
         return scene
 

@@ -160,7 +160,7 @@ def _find_pressures(one: CachedSolution) -> tuple[Floats, Floats]:
 
 
 def _find_mean_pressures(solutions: SolutionSequence) -> tuple[Samples, Floats, Floats]:
-    """Return the samples of a cycle that sound can reach, and the pressures asked for and made there, (M',) [Pa].
+    """Return the samples of a cycle that are solved for, and the pressures asked for and made there, (M',) [Pa].
 
     What bands make beyond their own samples is left out.
     """
