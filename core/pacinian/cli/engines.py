@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from pacinian.cli.engine_package import Package, PackageError, find_package, install
 from pacinian.atomic_file import replace_file
+from pacinian.cli.engine_package import Package, PackageError, find_package, install
 from pacinian.cli.nonempty import NonEmptyPath
 
 if TYPE_CHECKING:
