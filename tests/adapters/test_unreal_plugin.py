@@ -94,6 +94,7 @@ def test_the_recipe_places_libzmq_where_the_module_looks(tmp_path: Path) -> None
 
 def test_nothing_but_text_is_kept() -> None:
     listed = tools.run("git", "ls-files", "-co", "--exclude-standard", folder=unreal.PLUGIN)
+    assert listed
     for name in listed.splitlines():
         (unreal.PLUGIN / name).read_text(encoding="utf-8")
 

@@ -34,9 +34,8 @@ class DeferredInterrupt:
     """
 
     def __init__(self) -> None:
-        self._due = (
-            math.inf
-        )  # when a deferred interrupt is raised at the latest; infinite if there is none [s]
+        # when a deferred interrupt is raised at the latest [s]; infinite if there is none
+        self._due = math.inf
 
     def __call__(self, number: int, frame: FrameType | None) -> None:
         """Raise KeyboardInterrupt, or defer it. number: of the signal. frame: what the main thread runs now."""

@@ -120,9 +120,8 @@ def check_picture_path(
             target = Path(path).resolve()
             if target.exists():
                 target.open("ab").close()
-            if (
-                target.is_file() or not target.exists()
-            ):  # written beside it first: see `replace_file`
+            # `replace_file` writes a file beside it first
+            if target.is_file() or not target.exists():
                 TemporaryFile(dir=target.parent).close()
     except (OSError, ValueError) as error:
         problem = getattr(error, "strerror", None) or error

@@ -110,9 +110,8 @@ class Plugins:
         self._lock = threading.Lock()
         # each plug-in that is being imported, with the thread that does it
         self._reading: dict[tuple[str, int], None] = {}
-        self._clashing: dict[
-            tuple[Kind, str], list[Offer]
-        ] = {}  # those beside the first of each name
+        # of each name, those beside the first
+        self._clashing: dict[tuple[Kind, str], list[Offer]] = {}
         self._searched: set[str] = set()  # kinds of which all plug-ins are loaded
         self._waiting: dict[str, EntryPoint] = {}
         for point in entry_points:

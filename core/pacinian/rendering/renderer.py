@@ -49,7 +49,6 @@ if TYPE_CHECKING:
     from pacinian.rendering.modulator import Modulator
     from pacinian.rendering.recording import Recorder
     from pacinian.rendering.report import Fault, Stage
-    from pacinian.rendering.sample_budget_controller import SampleBudgetController
     from pacinian.rendering.sample_solver import SampleSolver
     from pacinian.rendering.smoothing import Smoothing
     from pacinian.rendering.solution_sequence import SolutionSequence
@@ -202,11 +201,6 @@ class Renderer(Closeable):
     def modulator(self) -> Modulator:
         """The modulator, which turns solutions into rows of gains."""
         return self._pipeline.playback.modulator
-
-    @property
-    def budget_controller(self) -> SampleBudgetController | None:
-        """The controller of the sample budget, if `adaptive`."""
-        return self._pipeline.budget_controller
 
     @property
     def schedule(self) -> BackgroundSchedule:

@@ -140,8 +140,12 @@ def test_discs_are_kept_within_a_box() -> None:
 
 def test_a_lost_hand_is_left_out() -> None:
     lost = pc.Hand(np.full((26, 3), np.nan))
-    scene = pc.Scene((BALL,), hands=(lost,))
-    plot.scene(ARRAY, scene, felt(pc.Scene((BALL,))), gains(), medium=pc.Air())
+    samples = felt(pc.Scene((BALL,)))
+    drawn = [
+        plot.scene(ARRAY, pc.Scene((BALL,), hands=hands), samples, gains(), medium=pc.Air())
+        for hands in ((lost,), ())
+    ]
+    assert len({page._repr_png_()[0] for page in drawn}) == 1  # type: ignore[attr-defined]
 
 
 def test_few_colours_make_a_small_file(tmp_path: Path) -> None:

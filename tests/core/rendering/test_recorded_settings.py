@@ -53,7 +53,9 @@ def test_a_renderer_comes_back_with_all_its_settings(options: dict[str, Any]) ->
     before = make(**options)
     after = again(before)
     assert after.period == before.period
-    assert (after.budget_controller is None) == (before.budget_controller is None)
+    assert (after._pipeline.budget_controller is None) == (
+        before._pipeline.budget_controller is None
+    )
     assert after.smoothing == before.smoothing
     assert after.session.medium == before.session.medium
     assert after.session.array.transducer == before.session.array.transducer

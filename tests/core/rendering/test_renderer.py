@@ -460,8 +460,8 @@ def test_a_busy_moment_is_over_after_some_seconds_of_silence_though_a_hand_moves
         renderer._pipeline.schedule = BackgroundSchedule(renderer.period, in_background=True)
         renderer.tick()
         renderer._pipeline._allowed = 32
-        assert renderer.budget_controller is not None
-        renderer.budget_controller.allowed = 32
+        assert renderer._pipeline.budget_controller is not None
+        renderer._pipeline.budget_controller.allowed = 32
         for k in range(9 * MIN_FITTING):
             renderer.scene = pc.Scene(hands=(hands[k // 4 % 2],))
             renderer.tick()
