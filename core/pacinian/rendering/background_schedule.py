@@ -115,6 +115,10 @@ class BackgroundSchedule:
         self.interval, self._since = math.ceil(median(self._intervals)), 0
         return True
 
+    def may_rest(self, seconds: float) -> bool:
+        """Return whether a scene at rest need not be solved for yet, `seconds` [s] after the last solve in a tick."""
+        return self.rests and seconds < REST_INTERVAL
+
     def note_tick(self, seconds: float) -> None:
         """Take account of a tick that took `seconds` [s] and has solved."""
         if self.in_background:

@@ -91,9 +91,11 @@ class EnvelopeGroups:
             envelope = resolve(item.envelope)
             square = envelope if switches and isinstance(envelope, Square) else None
             # a copy, because an envelope of the user may change it
-            factor = envelope.at(t.copy()) if square is None else square.compute_steps(t)
-            row[:] = factor * item.technique.factor(t)
-        return np.asarray(np.fmin(np.fmax(factors, 0.0), 1.0))  # NaN is 0
+            row[:] = envelope.at(t.copy()) if square is None else square.compute_steps(t)
+            if not isinstance(item.technique, Simultaneous):
+                np.multiply(row, item.technique.factor(t), out=row)
+        np.fmax(factors, 0.0, out=factors)  # NaN is 0
+        return np.fmin(factors, 1.0, out=factors)
 
 
 def _alike(item: Object, other: Object) -> bool:

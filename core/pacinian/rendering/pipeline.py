@@ -122,6 +122,8 @@ class Pipeline:
         Negative if the frame was solved for a later time.
         """
         self._play_time = -math.inf  # scene time for which the last job solved [s]
+        self._valid_at = 0.0  # last scene time for which what is played is known to be right [s]
+        self._rested = 0  # ticks since the last one that solved
         # clock reading when the job that runs in the background began, or became outdated [s]
         self._started = 0.0
         self.deadline.reset()
@@ -219,16 +221,15 @@ class Pipeline:
         if self._changed and self.deadline.unhurried and not self._outdated:
             self._outdated, self._started = True, self.stages.now()
         solver = self.session.solver  # other threads may set another one at any time
-        ticks, waits = self._count_ticks(t), self._may_wait(limits, solver)
-        if ticks > 1 and not waits:
-            self.sampler.rest_until(t - self.period)
+        ticks, kept = self._count_ticks(t), self._is_kept(limits, solver)
+        waits = kept and self.schedule.in_background
         silenced = self._new_hands.may_exceed_limit(scene, self.played, t)
         if waits:
             self._solve_in_background(scene, limits, solver, t, ticks)
         elif not (silenced and self.playback.sounds):
-            self._solve_now(scene, limits, solver, t)
+            self._solve_in_tick(scene, limits, solver, t, ticks, kept=kept)
         self._silenced = silenced and self._new_hands.may_exceed_limit(scene, self.played, t)
-        self.lag = t - self.played.time
+        self.lag = t - self._valid_at
         play = self.played.solutions
         inputs = play.samples, limits, solver, self._silenced
         spread = self.schedule.find_spread(ends=not len(play.samples)) if waits else 1
@@ -251,21 +252,29 @@ class Pipeline:
         last, self._time = self._time, t
         return max(1, round((t - last) / self.period)) if self._repeated and t > last else 1
 
-    def _may_wait(self, limits: Limits, solver: Solver) -> bool:
-        """Return whether an older result is still right to play, so that this tick may solve in the background."""
+    def _is_kept(self, limits: Limits, solver: Solver) -> bool:
+        """Return whether the last result is still right to play, as far as the scene has not changed."""
         last = self.played
         same = last.solutions.limits == limits and last.solver is solver
-        return self.schedule.in_background and same and not last.solutions.brief
+        return same and not last.solutions.brief
 
-    def _solve_now(self, scene: Scene, limits: Limits, solver: Solver, t: float) -> None:
-        """Sample and solve in this tick. Measure in the background, if that may be late."""
+    def _solve_in_tick(
+        self, scene: Scene, limits: Limits, solver: Solver, t: float, ticks: int, *, kept: bool
+    ) -> None:
+        """Sample and solve in this tick, unless the scene is at rest. Measure in the background, if that may be late.
+
+        ticks: number of ticks since the last one. kept: whether the last result may be played.
+        """
         if not self._measures:
             self._discard_job()
         elif self.background.done or self._clocks.tick.replays:
             self._take_job()  # at a time that is not recorded; `_solve_in_background` forgets it
-        self._solved_now = True
-        self.stages.enter("sample")
-        self._play(self._make_job(scene, limits, solver, t, self.stages, in_background=False)())
+        self._rested += ticks
+        if kept and not self._changed and self.schedule.may_rest(self._rested * self.period):
+            self.stages.report.skipped[NOT_DUE] += 1
+            self._valid_at = t
+        else:
+            self._solve_now(scene, limits, solver, t)
         # the last measurement may still be under way, with the propagator that the next one needs
         if self.background.running or (measure := self._monitor.take_job()) is None:
             return
@@ -273,6 +282,14 @@ class Pipeline:
             self._start_job(measure, measures=True)
         else:
             self._count_measurement(measure())
+
+    def _solve_now(self, scene: Scene, limits: Limits, solver: Solver, t: float) -> None:
+        """Sample and solve in this tick."""
+        if self._rested > 1:
+            self.sampler.rest_until(t - self.period)
+        self._rested, self._solved_now = 0, True
+        self.stages.enter("sample")
+        self._play(self._make_job(scene, limits, solver, t, self.stages, in_background=False)())
 
     def _solve_in_background(
         self, scene: Scene, limits: Limits, solver: Solver, t: float, ticks: int
@@ -409,6 +426,7 @@ class Pipeline:
             report.count_solve(one.solution.status)
         self.deadline.adapt(outcome, self.played)
         self._before, self.played, self._taken = self.played, outcome, outcome
+        self._valid_at = outcome.time
 
     @property
     def _fresh(self) -> tuple[CachedSolution, ...]:

@@ -283,5 +283,5 @@ class StageTimer:
     def enter(self, stage: Stage) -> None:
         """End the present stage and begin the next."""
         now = self.now()
-        self.report.add_stage_time(self.stage, now - self._entered)
+        self.report.stages[self.stage] += now - self._entered
         self.stage, self._entered = stage, now

@@ -89,6 +89,8 @@ def _count_felt(losses: Iterable[_Loss], rising: Collection[str]) -> Counter[str
     """
     counts = Counter[str]()
     for samples, rows, lost, alone in losses:
+        if not len(rows):
+            continue
         whole, of = _sum_by_object(samples), samples.objects[rows]
         for i in np.unique(of).tolist():
             own, label = of == i, label_object(samples.items[i], i)
@@ -142,14 +144,13 @@ def _find_weak_regions(solutions: SolutionSequence) -> Iterator[_Loss]:
     else:
         return
     for samples, asked, made in found:
-        for i in np.unique(samples.objects[samples.regions >= 0]).tolist():
-            own = (samples.objects == i) & (samples.regions >= 0)
-            force = float(asked[own] @ samples.area[own])
-            missing = force - float(made[own] @ samples.area[own])
-            if missing > MAX_MISSING_FORCE * force:
-                rows = np.flatnonzero(own & (made < asked))
-                lost = np.full(len(rows), missing / len(rows))
-                yield _Loss(samples, rows, lost, np.zeros(len(rows), np.bool_))
+        inside = samples.regions >= 0
+        force = np.bincount(samples.objects, inside * asked * samples.area)
+        missing = force - np.bincount(samples.objects, inside * made * samples.area)
+        for i in np.flatnonzero(missing > MAX_MISSING_FORCE * force).tolist():
+            rows = np.flatnonzero(inside & (samples.objects == i) & (made < asked))
+            lost = np.full(len(rows), missing[i] / len(rows))
+            yield _Loss(samples, rows, lost, np.zeros(len(rows), np.bool_))
 
 
 def _find_pressures(one: CachedSolution) -> tuple[Floats, Floats]:
@@ -168,8 +169,12 @@ def _find_mean_pressures(solutions: SolutionSequence) -> tuple[Samples, Floats, 
     assert solutions.asked is not None
     made = np.zeros(len(solutions.common))
     for one in solutions.rows:
-        _, i, j = np.intersect1d(solutions.common.keys, one.samples.keys, return_indices=True)
-        made[i] += _find_pressures(one)[1][j] / len(solutions.rows)
+        of, P = solutions.common.keys, _find_pressures(one)[1] / len(solutions.rows)
+        if np.array_equal(of, one.samples.keys):
+            made += P
+        else:
+            _, i, j = np.intersect1d(of, one.samples.keys, return_indices=True)
+            made[i] += P[j]
     return solutions.common, solutions.asked, made
 
 
@@ -182,7 +187,10 @@ def _compare(
     """
     rows = np.array(missed, np.intp)
     lost, alone = whole.radiation_pressure[rows] * whole.area[rows], np.ones(len(rows), np.bool_)
-    _, i, j = np.intersect1d(whole.keys[rows], solved.keys, return_indices=True)
+    if len(solved) == len(whole):  # in the same order
+        i, j = np.arange(len(rows)), rows
+    else:
+        _, i, j = np.intersect1d(whole.keys[rows], solved.keys, return_indices=True)
     lost[i] = np.maximum(asked[j] - made[j], 0.0) * solved.area[j]
     alone[i] = (solved.regions[j] == ISOLATED) | (made[j] < MIN_FELT_SHARE * asked[j])
     return _Loss(whole, rows, lost, alone)
