@@ -9,7 +9,7 @@ import numpy as np
 
 from pacinian.rendering.field_steering import Steering
 from pacinian.rendering.modulator import Modulator
-from pacinian.rendering.quantiser import Quantiser
+from pacinian.rendering.quantiser import Quantiser, Rounding, scale_down
 from pacinian.rendering.row_times import compute_row_times
 
 if TYPE_CHECKING:
@@ -20,6 +20,10 @@ if TYPE_CHECKING:
     from pacinian.rendering.solution_sequence import SolutionSequence
     from pacinian.solving.problem import Limits
     from pacinian.types import Floats, Gains
+
+# Number of amplitude levels from which rounding to the nearest level adds less sound in quiet zones than dither. With
+# fewer, weak gains would be 0.
+MIN_UNDITHERED_LEVELS = 64
 
 
 class Playback:
@@ -101,13 +105,14 @@ class Playback:
 
         play, inputs, ticks: as for `follow`, which the caller has called. limits: that the gains keep.
         """
-        power, zones = limits.power is not None, bool(limits.zones)
+        zones, ceiling = bool(limits.zones), find_ceiling(limits)
         self.modulator.phases = self.capability.phases if zones else 0
         rows = self.modulator.make_rows(play, t, ticks)
         self._steering.steer(rows, t)
-        self._frame = self._quantiser.make_frame(
-            rows, find_ceiling(limits), sequence, due, power, zones
-        )
+        if zones:
+            scale_down(rows, ceiling)
+        rounding = self._choose_rounding(limits)
+        self._frame = self._quantiser.make_frame(rows, ceiling, sequence, due, rounding)
         self._made = inputs
         return self._frame
 
@@ -131,10 +136,15 @@ class Playback:
 
     def quantise_gains(self, gains: Gains, limits: Limits) -> Gains:
         """Return gains, (N,), as rounded by the device."""
-        power = limits.power is not None
-        return self._quantiser.quantise_gains(
-            gains, find_ceiling(limits), power, bool(limits.zones)
-        )
+        rounding = self._choose_rounding(limits)
+        return self._quantiser.quantise_gains(gains, find_ceiling(limits), rounding)
+
+    def _choose_rounding(self, limits: Limits) -> Rounding:
+        """Return how to round amplitudes: down, so that a power limit is kept, or as is best for quiet zones."""
+        if limits.power is not None:
+            return "down"
+        fine = len(self.capability.sizes) >= MIN_UNDITHERED_LEVELS
+        return "nearest" if limits.zones and fine else "dithered"
 
     def quantise_frames(self, play: SolutionSequence, limits: Limits) -> Gains:
         """Return the gains of what is played in turn, steered and rounded by the device, (K, N)."""

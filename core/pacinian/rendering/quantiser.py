@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -11,9 +11,9 @@ from pacinian.plugins.backend import Capability, Frame
 if TYPE_CHECKING:
     from pacinian.types import Gains, Levels, Singles
 
+Rounding = Literal["dithered", "nearest", "down"]
+"""How amplitudes are rounded: with the thresholds of `dither_thresholds`, to the nearest level, or down."""
 SURE = 1.0 / 256.0  # amplitudes this close to a level are always rounded to it [levels]
-# Number of amplitude levels from which quiet zones are better kept without dither. With fewer, weak gains would be 0.
-MIN_UNDITHERED_LEVELS = 64
 PARTS = 4096  # entries of the lookup table from amplitude, 0..1, to the level where a search starts
 
 
@@ -41,8 +41,12 @@ class Quantiser:
         self._shown = self._phase.view(), self._amplitude.view()
         for levels in self._shown:
             levels.flags.writeable = False
-        self._dither = np.tile(dither_thresholds(columns), rows)
-        self._none, self._half = np.zeros_like(self._dither), np.full_like(self._dither, 0.5)
+        self._thresholds: dict[Rounding, Singles] = {
+            "dithered": np.tile(dither_thresholds(columns), rows),
+            "nearest": np.full(rows * columns, 0.5, np.float32),
+            "down": np.zeros(rows * columns, np.float32),
+        }
+        """How far below a level an amplitude is rounded up to it, for each gain of a frame [levels]."""
         turns = np.arange(capability.phases) / capability.phases
         self._unit = np.exp(2j * np.pi * turns).astype(np.complex64)
         self._size = capability.sizes.copy()  # kernels need a writable array
@@ -54,52 +58,45 @@ class Quantiser:
         ceiling: float,
         sequence: int,
         time: float,
-        down: bool = False,
-        zones: bool = False,
+        rounding: Rounding = "dithered",
     ) -> Frame:
-        """Return the frame for gains, (K, N), due at `time` [s], with no amplitude above `ceiling`, the gain limit.
-
-        down: round amplitudes down, so that a power limit is kept, too. zones: whether quiet zones must stay quiet.
-        Then amplitudes are rounded to the nearest level without dither, which adds less sound, if there are enough
-        levels. All gains of a row of which any is above `ceiling` are scaled down, in place, because envelopes of parts
-        that cancel in the zones may add up to more; otherwise only those gains are clipped.
-        """
-        if zones:
-            gains /= np.maximum(np.abs(gains).max(axis=1, keepdims=True) / ceiling, 1.0)
+        """Return the frame for gains, (K, N), due at `time` [s], with no amplitude above `ceiling`, the gain limit."""
         phase, amplitude = self._phase.reshape(-1), self._amplitude.reshape(-1)
-        self._round(
-            gains.reshape(-1), ceiling, self._choose_thresholds(down, zones), phase, amplitude
-        )
+        self._round(gains.reshape(-1), ceiling, rounding, phase, amplitude)
         return Frame(sequence, time, *self._shown)
 
     def quantise_gains(
-        self, gains: Gains, ceiling: float, down: bool = False, zones: bool = False
+        self, gains: Gains, ceiling: float, rounding: Rounding = "dithered"
     ) -> Gains:
         """Return gains, (N,), as rounded by the device. Threads may call this at the same time."""
         from pacinian.native import rendering as kernels
 
         phase, amplitude = np.zeros((2, len(gains)), dtype=np.uint16)
         made = np.zeros(len(gains), dtype=np.complex64)
-        self._round(gains, ceiling, self._choose_thresholds(down, zones), phase, amplitude)
+        self._round(gains, ceiling, rounding, phase, amplitude)
         kernels.dequantise(phase, amplitude, self._unit, self._size, made)
         return made
 
-    def _choose_thresholds(self, down: bool, zones: bool) -> Singles:
-        """Return the thresholds for rounding amplitudes up, see `dither_thresholds`."""
-        nearest = zones and len(self._size) >= MIN_UNDITHERED_LEVELS
-        return self._none if down else self._half if nearest else self._dither
-
     def _round(
-        self, g: Gains, ceiling: float, threshold: Singles, phase: Levels, amplitude: Levels
+        self, g: Gains, ceiling: float, rounding: Rounding, phase: Levels, amplitude: Levels
     ) -> None:
         from pacinian.native import rendering as kernels
 
-        can = self.capability
+        can, threshold = self.capability, self._thresholds[rounding]
         top, highest = len(self._size) - 1, can.highest(ceiling)
         if self._inverse is None:
             kernels.quantise(g, can.phases, top, highest, threshold, phase, amplitude)
         else:
             kernels.quantise_by(g, can.phases, *self._inverse, highest, threshold, phase, amplitude)
+
+
+def scale_down(gains: Gains, ceiling: float) -> None:
+    """Scale down each row of gains, (K, N), in place, in which an amplitude is above `ceiling`.
+
+    Rows whose single gains were clipped would not keep quiet zones. Envelopes of parts that cancel in a zone may add up
+    to more than the ceiling.
+    """
+    gains /= np.maximum(np.abs(gains).max(axis=1, keepdims=True) / ceiling, 1.0)
 
 
 def invert_levels(size: Singles) -> tuple[Singles, Singles, Levels]:

@@ -181,7 +181,7 @@ def test_rounding_down_never_rounds_up() -> None:
     for amplitudes in (320, PULSES, FINE):
         can = pc.Capability(4, amplitudes)
         frame = Quantiser(can, 1, len(a)).make_frame(
-            a[None].astype(np.complex64), 1.0, 0, 0.0, True
+            a[None].astype(np.complex64), 1.0, 0, 0.0, "down"
         )
         assert (can.sizes[frame.amplitude[0]] <= a * (1 + 1e-6)).all()
 
