@@ -8,8 +8,8 @@ from __future__ import annotations
 from html import escape
 from typing import TYPE_CHECKING
 
-from csharp_fields import generate_read, loop, write
 from csharp_names import rename
+from csharp_read_write import generate_read, loop, write
 from csharp_types import declare_type, default, member, pascal, union
 from csharp_unions import protocol, unions, words
 from model import Array, Map, Maybe, Part, Text, is_whole

@@ -1,4 +1,4 @@
-"""Write all generated files: messages in C# and C++, tables, docs, schemas, byte vectors and Unity's .meta files.
+"""Write all generated files: messages in C# and C++, tables, docs, byte vectors and Unity's .meta files.
 
     python adapters/generate/main.py            writes the files that differ
     python adapters/generate/main.py --check    writes nothing; fails if a file differs

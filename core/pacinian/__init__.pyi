@@ -27,7 +27,7 @@ from .acoustics.skin_facing import SkinFacing as SkinFacing
 from .acoustics.transducer import IDEAL as IDEAL
 from .acoustics.transducer import T4010A1 as T4010A1
 from .acoustics.transducer import Transducer as Transducer
-from .acoustics.uncertainty import Band as Band
+from .acoustics.uncertainty import PredictionInterval as PredictionInterval
 from .acoustics.uncertainty import Uncertainty as Uncertainty
 from .acoustics.uncertainty import predict_force as predict_force
 from .acoustics.uncertainty import predict_radiation_pressure as predict_radiation_pressure

@@ -11,7 +11,7 @@ scenes/    time per tick of the built-in scenes, saved work, audible noise
 server/    latency, load, soak of real servers; faults/ fault injection; fuzz/ malformed messages
 devices/   frame timing, quantisation, scatter of transducers
 examples/  examples of other projects, made again with Pacinian
-stress/    numerical stability: hard problems, promises of solvers
+stress/    numerical stability: hard problems, guarantees of solvers
 study/     arrangements of arrays, compared
 paper/     the paper's experiment, figures, forces
 vectors/   test vectors of the wire

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from pacinian.acoustics.interpolated_field import InterpolatedField
+    from pacinian.acoustics.interpolated_field import RegularGrid
 
 UNIT = pc.autd()
 RESPONSE = np.exp(1j * np.linspace(0.0, 6.0, len(UNIT))) * np.linspace(0.5, 1.5, len(UNIT))
@@ -143,7 +143,7 @@ def test_the_mean_of_all_frames_is_shown() -> None:
         assert np.abs(found - highest).max() < tolerance * highest.max()
 
 
-def at_once(model: bytes, gains: bytes, where: InterpolatedField, *, peak: bool) -> bytes:
+def at_once(model: bytes, gains: bytes, where: RegularGrid, *, peak: bool) -> bytes:
     return compute_pressure(model, gains, where, 0, 1 << 20, peak)
 
 

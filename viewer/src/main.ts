@@ -26,7 +26,7 @@ import { shown } from "./page-state";
 import { listen } from "./space/keys";
 import { Pointer } from "./space/pointer";
 import { Space } from "./space/space";
-import type { View } from "./space/view";
+import type { Viewport } from "./space/viewport";
 
 const store = new Store();
 const feed = new Feed(address(location), {
@@ -47,7 +47,7 @@ const scales = { pressure: new AutoScale(), error: new AutoScale() };
  * Acknowledge slices, volumes and skin maps that are shown, so that the viewer sends the next ones. A hidden page
  * acknowledges nothing. With software rendering, the page acknowledges only with a frame, because it shows no more.
  */
-function acknowledge(view: View | undefined): void {
+function acknowledge(viewport: Viewport | undefined): void {
   const unseen = new Map<string, number>();
   const seen = (): void => {
     if (document.hidden) return;
@@ -57,10 +57,10 @@ function acknowledge(view: View | undefined): void {
   for (const kind of ["slice", "volume", "skin"] as const) {
     store.on(kind, ({ id }) => {
       unseen.set(kind, id);
-      if (!view?.seldom) seen();
+      if (!viewport?.seldom) seen();
     });
   }
-  if (view?.seldom) view.onFrame(seen);
+  if (viewport?.seldom) viewport.onFrame(seen);
   document.addEventListener("visibilitychange", seen);
 }
 
@@ -106,5 +106,5 @@ if (space) {
   });
   window.pacinian = shown(store, space, slicePlane, surfaceBox);
 }
-acknowledge(space?.view);
+acknowledge(space?.viewport);
 feed.open();

@@ -41,7 +41,7 @@ declare global {
 /** Make the read-only view. */
 export function shown(store: Store, space: Space, slicePlane: SlicePlane, surfaceBox: SurfaceBox): Shown {
   const page = (point: Vector3): [number, number] => {
-    const { x, y } = space.view.project(point);
+    const { x, y } = space.viewport.project(point);
     return [x, y];
   };
   return Object.freeze({
@@ -98,7 +98,7 @@ export function shown(store: Store, space: Space, slicePlane: SlicePlane, surfac
       return space.scale.most;
     },
     get frames() {
-      return space.view.frames;
+      return space.viewport.frames;
     },
     get slices() {
       return space.slice.count;

@@ -30,15 +30,15 @@ if TYPE_CHECKING:
 EXTRA_NODES = 20  # nodes along an axis, in addition to two per wavelength
 EVENNESS_ERROR = 1e-5  # error accepted in return for almost even nodes
 CHECKED_COEFFICIENTS = 3  # highest coefficients along an axis that are checked
-MAX_REMAINDER = 1e-4  # largest size of these, relative to the largest pressure
+MAX_REMAINDER = 1e-4  # largest checked coefficient, relative to the largest pressure
 PROBES = 9  # check points along an axis, including corners, where the field is computed directly
-MAX_PROBE_ERROR = 4e-4  # largest error at these, relative to the largest pressure
+MAX_PROBE_ERROR = 4e-4  # largest error at a check point, relative to the largest pressure
 MAX_NODE_SHARE = 0.7  # largest ratio of nodes to grid points at which interpolation saves time
 
 
 @dataclass(frozen=True)
-class InterpolatedField:
-    """A grid of points origin + i steps[0] + j steps[1] + ... [m], i < shape[0], j < shape[1], ...
+class RegularGrid:
+    """The points origin + i steps[0] + j steps[1] + ... [m], i < shape[0], j < shape[1], ...
 
     The last index varies fastest.
     """
@@ -50,16 +50,16 @@ class InterpolatedField:
     @property
     def points(self) -> Floats:
         """The points [m], shape (*shape, 3)."""
-        return self._at([np.arange(count, dtype=np.float64) for count in self.shape])
+        return self._compute_points([np.arange(count, dtype=np.float64) for count in self.shape])
 
-    def _at(self, places: list[Floats]) -> Floats:
-        """Return the grid spanned by positions along each axis, which are in steps, as points [m]."""
+    def _compute_points(self, places: list[Floats]) -> Floats:
+        """Return the grid points [m] for the given positions along each axis, in units of its step."""
         found = np.array(self.origin)
         for along, step in zip(places, np.array(self.steps), strict=True):
             found = found[..., None, :] + along[:, None] * step
         return found
 
-    def field(self, array: Array, gains: ArrayLike, medium: Air) -> Complexes | None:
+    def interpolate_field(self, array: Array, gains: ArrayLike, medium: Air) -> Complexes | None:
         """Return the complex sound pressure [Pa] at the points, shape `shape`, by interpolation.
 
         Errors of |p|^2 are within 0.2 % of its largest value. Returns None if interpolation is too inaccurate, or would
@@ -72,7 +72,10 @@ class InterpolatedField:
             return None
         axes = [_axis(*each) for each in zip(self.shape, counts, strict=True)]
         some = [np.linspace(0.0, K - 1.0, min(K, PROBES)).round() for K in self.shape]
-        nodes, probes = self._at([axis.nodes for axis in axes]), self._at(some)
+        nodes, probes = (
+            self._compute_points([axis.nodes for axis in axes]),
+            self._compute_points(some),
+        )
         try:
             found = field(
                 array, gains, np.vstack([nodes.reshape(-1, 3), probes.reshape(-1, 3)]), medium

@@ -12,7 +12,7 @@ k_n = exp(-eps_phase,n^2 / 2),
     E|p_m|^2 = |sum_n k_n b_n|^2 + sum_n (1 + eps_gain,n^2 - k_n^2) |b_n|^2,
 
 as for the gain of an antenna with surface errors (J. Ruze, Proc. IEEE 54, 633, 1966). If only P0 is uncertain, all
-quantities of a band are exact, because |p| is proportional to P0. All other quantities are sampled with a seed.
+quantities of a prediction are exact, because |p| is proportional to P0. All other quantities are sampled with a seed.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 
 MAX_PRESSURE, MAX_TEMPERATURE = 2.0, 10.0  # largest standard deviations: a factor of 7; [K]
 MAX_PHASE, MAX_GAIN = 4.0, 1.0  # largest standard deviations [rad]; relative
-MIN_SAMPLES = 100  # below, the ends of a band are guesses
+MIN_SAMPLES = 100  # below, the ends of an interval are guesses
 MAX_VALUES = 1 << 27  # pressures of all samples together: 1 GiB
 CHUNK = 1 << 18  # elements of B in one chunk
 
@@ -77,7 +77,7 @@ class Uncertainty:
 
 
 @dataclass(frozen=True, eq=False)
-class Band:
+class PredictionInterval:
     """A predicted quantity and how sure it is. All have the same shape: (M,) for points, () for a force.
 
     nominal: without uncertainty. mean, deviation: mean and standard deviation. low, high: ends of the interval in which
@@ -96,10 +96,10 @@ class Band:
 
     def __repr__(self) -> str:
         if not self.nominal.size:
-            return "<Band of no points>"
+            return "<PredictionInterval of no points>"
         first = f"{self.nominal.flat[0]:.3g} ({self.low.flat[0]:.3g} to {self.high.flat[0]:.3g})"
         rest = f", and of {self.nominal.size - 1} more" if self.nominal.size > 1 else ""
-        return f"<Band of {self.confidence:.0%}: {first}{rest}>"
+        return f"<PredictionInterval of {self.confidence:.0%}: {first}{rest}>"
 
 
 def predict_sound_pressure(
@@ -112,15 +112,15 @@ def predict_sound_pressure(
     confidence: float = 0.95,
     samples: int = 2000,
     seed: int = 0,
-) -> Band:
-    """Return a band of the peak sound pressure |p| at M points, (M,) [Pa].
+) -> PredictionInterval:
+    """Predict the peak sound pressure |p| at M points, (M,) [Pa].
 
     array: N transducers. gains: (N,), not adapted to the errors. points: (M, 3) [m]. uncertainty: what is not known.
-    medium: the air. confidence: 0.5..0.999. samples: at least 100. seed: equal seeds give equal bands.
-    Raises ArgumentError, PointOnTransducer.
+    medium: the air. confidence: of the interval, 0.5..0.999. samples: at least 100. seed: equal seeds give equal
+    results. Raises ArgumentError, PointOnTransducer.
     """
-    problem = _Problem(array, gains, points, uncertainty, medium, confidence, samples, seed)
-    return problem.predict(1.0, lambda p, air: np.abs(p).astype(np.float64))
+    prediction = _Prediction(array, gains, points, uncertainty, medium, confidence, samples, seed)
+    return prediction.compute(1.0, lambda p, air: np.abs(p).astype(np.float64))
 
 
 def predict_radiation_pressure(
@@ -134,15 +134,14 @@ def predict_radiation_pressure(
     confidence: float = 0.95,
     samples: int = 2000,
     seed: int = 0,
-) -> Band:
-    """Return a band of the radiation pressure at M points, (M,) [Pa].
+) -> PredictionInterval:
+    """Predict the radiation pressure at M points, (M,) [Pa]. The mean is exact unless the temperature is uncertain.
 
-    array: N transducers. gains: (N,), not adapted to the errors. points: (M, 3) [m]. uncertainty: what is not known.
-    medium: the air. alpha: about 2 on skin. confidence: 0.5..0.999. samples: at least 100. seed: equal seeds
-    give equal bands. The mean is exact unless the temperature is uncertain. Raises ArgumentError, PointOnTransducer.
+    array, gains, points, uncertainty, medium, confidence, samples, seed: as in `predict_sound_pressure`. alpha: about 2
+    on skin. Raises ArgumentError, PointOnTransducer.
     """
-    problem = _Problem(array, gains, points, uncertainty, medium, confidence, samples, seed)
-    return problem.predict(2.0, lambda p, air: radiation_pressure(p, air, alpha))
+    prediction = _Prediction(array, gains, points, uncertainty, medium, confidence, samples, seed)
+    return prediction.compute(2.0, lambda p, air: radiation_pressure(p, air, alpha))
 
 
 def predict_force(
@@ -157,29 +156,30 @@ def predict_force(
     confidence: float = 0.95,
     samples: int = 2000,
     seed: int = 0,
-) -> Band:
-    """Return a band of the force of the radiation pressure on a surface, () [N]: the sum of P_m areas_m.
+) -> PredictionInterval:
+    """Predict the force of the radiation pressure on a surface, () [N]: the sum of P_m areas_m.
 
-    array: N transducers. gains: (N,), not adapted to the errors. points: (M, 3) [m], at most half a wavelength apart.
-    areas: of the parts of the surface that they stand for, (M,) [m^2], or one for all. Errors at different points are
-    not independent, and this counts. uncertainty: what is not known. medium: the air. alpha: about 2 on
-    skin. confidence: 0.5..0.999. samples: at least 100. seed: equal seeds give equal bands. The mean is exact unless
-    the temperature is uncertain. Raises ArgumentError, PointOnTransducer.
+    The mean is exact unless the temperature is uncertain. Errors at different points are not independent, and this
+    counts.
+
+    points: (M, 3) [m], at most half a wavelength apart. areas: of the parts of the surface that they stand for, (M,)
+    [m^2], or one for all. array, gains, uncertainty, medium, confidence, samples, seed: as in `predict_sound_pressure`.
+    alpha: about 2 on skin. Raises ArgumentError, PointOnTransducer.
     """
-    problem = _Problem(array, gains, points, uncertainty, medium, confidence, samples, seed)
+    prediction = _Prediction(array, gains, points, uncertainty, medium, confidence, samples, seed)
     try:
-        spread = np.broadcast_to(np.asarray(areas, dtype=np.float64), (len(problem.q),))
+        spread = np.broadcast_to(np.asarray(areas, dtype=np.float64), (len(prediction.q),))
     except (TypeError, ValueError):
         raise ArgumentError(
-            "areas", f"must be one area [m^2] or {len(problem.q)}, one for each point"
+            "areas", f"must be one area [m^2] or {len(prediction.q)}, one for each point"
         ) from None
     if not (spread >= 0.0).all() or not np.isfinite(spread).all():
         raise ArgumentError("areas", "must be finite, and 0 or more [m^2]")
-    return problem.predict(2.0, lambda p, air: radiation_pressure(p, air, alpha) @ spread)
+    return prediction.compute(2.0, lambda p, air: radiation_pressure(p, air, alpha) @ spread)
 
 
-class _Problem:
-    """Checked arguments, and the predictions from them."""
+class _Prediction:
+    """The checked arguments of a prediction, and its computation."""
 
     def __init__(
         self, array: Array, gains: ArrayLike, points: ArrayLike, uncertainty: Uncertainty,
@@ -202,10 +202,10 @@ class _Problem:
         if self.count * max(len(self.q), len(self.g)) > MAX_VALUES:
             raise ArgumentError("samples", f"must be fewer: {self.count} of them fill the memory")
         self.rng = np.random.default_rng(check_integer("seed", seed, low=0))
-        most = NormalDist().inv_cdf(1.0 - 0.5 / self.count)  # largest of `_spread_normal`
+        most = NormalDist().inv_cdf(1.0 - 0.5 / self.count)  # largest of `_draw_stratified_normals`
         for change in (-most * uncertainty.temperature, most * uncertainty.temperature):
             try:
-                warm(self.air, change)
+                heat(self.air, change)
             except ArgumentError as error:
                 raise ArgumentError(
                     "uncertainty",
@@ -213,8 +213,10 @@ class _Problem:
                     f"{change:+.1f} K off, for which {error}: give a smaller one",
                 ) from None
 
-    def predict(self, power: float, quantity: Callable[[Complexes, Air], Floats]) -> Band:
-        """Return a band of a quantity that is proportional to P0^power. quantity: of p, (..., M) [Pa], and the air."""
+    def compute(
+        self, power: float, quantity: Callable[[Complexes, Air], Floats]
+    ) -> PredictionInterval:
+        """Predict a quantity that is proportional to P0^power. quantity: of p, (..., M) [Pa], and the air."""
         nominal, s = np.asarray(quantity(self.nominal, self.air)), power * self.given.pressure
         ends = (1.0 - self.confidence) / 2.0, (1.0 + self.confidence) / 2.0
         scattered = self.phase.any() or self.gain.any()
@@ -222,34 +224,34 @@ class _Problem:
             low, high = (nominal * math.exp(s * NormalDist().inv_cdf(end)) for end in ends)
             mean = nominal * math.exp(s * s / 2.0)
             spread = mean * math.sqrt(math.expm1(s * s))
-            return Band(nominal, mean, spread, low, high, self.confidence, True, 0)
+            return PredictionInterval(nominal, mean, spread, low, high, self.confidence, True, 0)
         found = self._sample(quantity)
         mean, variance = found.mean(axis=0), found.var(axis=0)
         if power == 2.0 and not self.given.temperature:
             mean = np.asarray(quantity(self._mean_square(), self.air))
         deviation = np.sqrt(math.exp(s * s) * variance + math.expm1(s * s) * mean * mean)
-        strength = np.exp(s * self._spread_normal())
+        strength = np.exp(s * self._draw_stratified_normals())
         found *= strength.reshape(-1, *[1] * nominal.ndim)
         low, high = np.quantile(found, ends, axis=0)
         grows = math.exp(s * s / 2.0)
-        return Band(
+        return PredictionInterval(
             nominal, mean * grows, deviation * grows, np.asarray(low), np.asarray(high),
             self.confidence, False, self.count,
         )  # fmt: skip
 
     def _sample(self, quantity: Callable[[Complexes, Air], Floats]) -> Floats:
         """Return the quantity for random air and transducers, (samples, ...), at the nominal P0."""
-        warmer = self.given.temperature * self._spread_normal()
+        warmer = self.given.temperature * self._draw_stratified_normals()
         found: list[Floats] = []
         for k in range(self.count):
             scatter = self.rng.standard_normal((2, len(self.g)))
             g = self.g * (1.0 + self.gain * scatter[0])
             g *= np.exp(1j * self.phase * scatter[1])
-            air = warm(self.air, warmer[k]) if self.given.temperature else self.air
+            air = heat(self.air, warmer[k]) if self.given.temperature else self.air
             found.append(quantity(field(self.array, g, self.q, air), air))
         return np.array(found, dtype=np.float64)
 
-    def _spread_normal(self) -> Floats:
+    def _draw_stratified_normals(self) -> Floats:
         """Return standard normal numbers, one of each equally probable interval, in random order, (samples,)."""
         from scipy.special import ndtri
 
@@ -277,7 +279,7 @@ def _spread(name: str, value: float | Sequence[float], count: int) -> Floats:
     return np.broadcast_to(given, (count,))
 
 
-def warm(air: Air, by: float) -> Air:
+def heat(air: Air, by: float) -> Air:
     """Return air that is `by` [K] warmer. A given speed of sound or density changes in the ratio of an ideal gas."""
     at = Air().temperature if air.temperature is None else air.temperature
     assert at is not None  # the default is a number

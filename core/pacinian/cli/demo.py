@@ -6,8 +6,7 @@ from typing import Any
 
 import click
 
-from pacinian.cli.finite_range import FiniteRange
-from pacinian.cli.nonempty import TEXT
+from pacinian.cli.options import TEXT, FiniteRange
 from pacinian.cli.run_output import check_picture_path
 
 

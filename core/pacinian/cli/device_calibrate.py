@@ -8,37 +8,14 @@ from dataclasses import asdict
 from functools import reduce
 from operator import add
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import click
 
-from pacinian.cli.doctor_rules import Finding, list_first
-from pacinian.cli.finite_range import FiniteRange
-from pacinian.cli.nonempty import NonEmptyPath
+from pacinian.cli.options import FiniteRange, NonEmptyPath
 
 if TYPE_CHECKING:
     from pacinian.devices.calibration import Measured
-    from pacinian.devices.description import DeviceDescription
-    from pacinian.devices.scan import Scan
-    from pacinian.devices.scan_fit import ScanFit
-    from pacinian.types import Flags, Floats
-
-MAX_RESIDUAL = 0.1  # unexplained part of a typical reading above which the scan is suspect
-# of a file's gain and phase reference, relative and [rad], and in standard errors, above which files differ
-MAX_FILE_CHANGE, MAX_FILE_SURPRISE = 0.02, 4.0
-# Residual at a position, relative to the expected rms there, above which it is named.
-MAX_MISFIT = 0.5
-MAX_PHASE_ERROR = 10.0  # standard error of phases that costs 3 % of a focus [deg]
-# pose, in standard errors, above which it is reported, and refused
-DOUBTFUL_POSE, WRONG_POSE = 2.5, 4.0
-ROUNDING = 1e-6  # of a pose that is known [m], [rad]
-MAX_OUTLIER_SHARE = 0.02  # share of the readings above which outliers are a warning
-# Of the highest amplitude, and the share of readings that may be above.
-CLIPPING_LIMITS = 0.995, 0.01
-MIN_CLIPPED = 10  # readings above; fewer may be chance
-MAX_ODD = 0.05  # share of the channels that do not fit, above which their order is wrong
-MAX_WIDENING = 1.05  # factor from which a standard error that has widened is reported
-MAX_RATIO = 10.0  # of the measured P0 and the described one; beyond, the unit is wrong
 
 
 @click.command()
@@ -93,6 +70,7 @@ def calibrate(
 
     from pacinian.acoustics.air import Air
     from pacinian.argument_checks import check_number
+    from pacinian.cli.device_calibrate_rules import check_scan, check_strength, compare_files
     from pacinian.cli.doctor import print_findings
     from pacinian.devices.calibration import Measurement, write_calibration
     from pacinian.devices.scan import read_scan, undo_calibration
@@ -134,10 +112,9 @@ def calibrate(
     names = [" ".join(map(str, keys[i])).strip() for i in np.argsort(order)]  # of transducers
     known = np.r_[[shift_error] * 3, [turn_error] * 3]
     findings = [
-        _judge_fit(fit),
-        *_findings(fit, scan, names, known),
-        *_compare_files(fit, [path.name for path in scans]),
-        _judge_strength(fit, scan, device, sensitivity_error),
+        *check_scan(fit, scan, names, known),
+        *compare_files(fit, [path.name for path in scans]),
+        check_strength(fit, scan, device, sensitivity_error),
     ]
     good = all(finding.level != "problem" for finding in findings)
     if good:
@@ -178,172 +155,3 @@ def calibrate(
         click.echo(f"{out}: {outcome}")
     if not good:
         sys.exit(1)
-
-
-def _judge_fit(fit: ScanFit) -> Finding:
-    """Return how much of the readings the fit explains."""
-    text = f"{fit.residual:.1%} of a typical reading is not explained; {fit.outliers} outliers"
-    if fit.residual <= MAX_RESIDUAL:
-        return Finding("fit", "ok", text)
-    fix = (
-        "look for noise and reflections, and check that the microphone's gain, the phase reference and the array did "
-        "not change within a file"
-    )
-    return Finding("fit", "warning", text, fix)
-
-
-def _judge_strength(
-    fit: ScanFit, scan: Scan, device: DeviceDescription, sensitivity_error: float
-) -> Finding:
-    """Return P0 and what to do about it. sensitivity_error: relative standard error of the microphone's sensitivity."""
-    import numpy as np
-
-    described, error = device.transducer.pressure, np.hypot(fit.pressure_error, sensitivity_error)
-    text = f"P0 is {fit.pressure:.4g} {scan.unit or 'units'} m"
-    if scan.unit != "Pa":
-        fix = "to know P0, give readings in pascal, and name their unit: amplitude [Pa]"
-        return Finding("strength", "ok", f"{text} (described: {described:g} Pa m)", fix)
-    text += f", give or take {error:.0%}"
-    ratio = fit.pressure / described
-    if not 1.0 / MAX_RATIO <= ratio <= MAX_RATIO:
-        fix = "check the microphone's sensitivity and the unit of the readings: Pa, mPa, uPa"
-        return Finding("strength", "warning", f"{text}, {ratio:.2g} times the described", fix)
-    fix = f"set pressure = {fit.pressure:.4g} and pressure_error = {error:.3f} under [transducer]"
-    return Finding("strength", "ok", f"{text} (described: {described:g})", fix)
-
-
-def _compare_files(fit: ScanFit, names: list[str]) -> list[Finding]:
-    """Return how the microphone's gain and the phase reference differ between files. names: of the files."""
-    import numpy as np
-
-    first, *others = names
-    logs, errors = np.log(fit.factors[1:]).view(np.float64).reshape(-1, 2), fit.factor_errors[1:]
-    unknown = np.isnan(errors[:, 0])
-    found = []
-    if not unknown.all():
-        limits = np.maximum(MAX_FILE_SURPRISE * errors, MAX_FILE_CHANGE)
-        differ = bool((np.abs(logs) > limits).any())
-        texts = [
-            f"{name} has {np.exp(gain):.3g} times the gain of {first} (+- {error:.1%}), and leads by "
-            f"{np.degrees(phase):.0f} +- {np.degrees(phase_error):.0f} deg"
-            for name, (gain, phase), (error, phase_error), skip in zip(
-                others, logs, errors, unknown, strict=True
-            )
-            if not skip
-        ]
-        fix = f"nothing to do: the calibration corrects this, and P0 has the gain of {first}"
-        found.append(
-            Finding("files", "warning" if differ else "ok", list_first(texts, "; "), fix * differ)
-        )
-    if unknown.any():
-        alone = [name for name, skip in zip(others, unknown, strict=True) if skip]
-        text = f"no channel that files share connects {first} with {list_first(alone)}"
-        fix = (
-            "read some channels of each file in the others, too. Otherwise the microphone's gain and the phase "
-            "reference must be the same, which the fit assumes"
-        )
-        found.append(Finding("files that cannot be compared", "warning", text, fix))
-    return found
-
-
-def _findings(fit: ScanFit, scan: Scan, names: list[str], known: Floats) -> list[Finding]:
-    """Return the findings of a fit. names: of the transducers. known: errors of the pose before, (6,) [m], [rad]."""
-    import numpy as np
-
-    from pacinian.acoustics.air import Air
-
-    good = ~fit.dead & ~fit.unseen
-    s, errors, sizes = fit.responses[good], fit.phase_errors[good], fit.gain_errors[good]
-    moved = 1e3 * np.linalg.norm(fit.positions - scan.positions, axis=1)  # [mm]
-    shift, turn = fit.shift, np.degrees(fit.turn)
-    room = Air(temperature=20.0).speed_of_sound
-    air = 293.15 * (fit.speed_of_sound / room) ** 2 - 273.15  # [degC]
-    scatter = np.degrees(np.sqrt(np.mean(np.angle(np.where(s.real < 0.0, -s, s)) ** 2)))
-    mean, worst = np.degrees(np.sqrt(np.mean(errors**2))), np.degrees(errors.max())
-    before = np.abs(s.sum()) ** 2 / np.abs(s).sum() ** 2
-    texts = {
-        "air": f"{fit.speed_of_sound:.2f} m/s, give or take {fit.speed_error:.2f}: {air:.0f} degC",
-        "microphone": f"corrected by {moved.mean():.2f} mm in the mean, {moved.max():.2f} mm at most",
-        "pose": f"the array is shifted by {_measure(1e3 * shift, 1e3 * fit.pose_errors[:3], '.2f')} mm and turned by "
-        f"{_measure(turn, np.degrees(fit.pose_errors[3:]), '.2f')} deg",
-        "gain": f"{np.abs(s).min():.2f} to {np.abs(s).max():.2f} times the mean; "
-        f"standard error {np.sqrt(np.mean(sizes**2)):.1%}, {sizes.max():.1%} at most",
-        "phase": f"scatter {scatter:.1f} deg; standard error {mean:.1f} deg, {worst:.1f} deg at most",
-        "focus": f"{before:.3f} of its radiation pressure uncorrected, some "
-        f"{np.exp(-np.mean(errors**2)):.3f} corrected",
-    }
-    found = [Finding(name, "ok", text) for name, text in texts.items()]
-    read = np.abs(scan.readings[np.isfinite(scan.readings)])
-    if fit.outliers > MAX_OUTLIER_SHARE * len(read):
-        text = f"{fit.outliers} of {len(read)} readings are ignored in part"
-        fix = "look for reflections and loose contacts, and check the order of the channels"
-        found.append(Finding("outliers", "warning", text, fix))
-    highest = int((read >= CLIPPING_LIMITS[0] * read.max()).sum())
-    if highest >= max(MIN_CLIPPED, CLIPPING_LIMITS[1] * len(read)):
-        text = f"{highest} readings share the highest amplitude"
-        fix = "the microphone or its amplifier may be at its limit: lower the gain, or scan farther away"
-        found.append(Finding("clipped", "warning", text, fix))
-    if mean > MAX_PHASE_ERROR:
-        fix = "scan at more positions, farther apart and at different heights, and measure the positions"
-        found.append(Finding("standard error", "warning", f"above {MAX_PHASE_ERROR:g} deg", fix))
-    level: Literal["warning", "problem"]
-    off = float(
-        np.max((np.abs(np.r_[fit.shift, fit.turn]) - ROUNDING) / np.maximum(known, ROUNDING))
-    )
-    if off > DOUBTFUL_POSE:
-        fix = (
-            "check the positions' frame and the order of the channels. If they are right, give --shift-error and "
-            "--turn-error as large as they may be; the gains and phases then hold"
-        )
-        level = "problem" if off > WRONG_POSE else "warning"
-        found.append(Finding("pose", level, f"off by {off:.1f} of the standard errors given", fix))
-    wider = [
-        f"{factor:.1f} times --{name}-error"
-        for name, factor in zip(("position", "shift", "turn"), fit.widened, strict=True)
-        if factor >= MAX_WIDENING
-    ]
-    if wider:
-        text = f"the scan shows {', '.join(wider)}; all errors reported here include that"
-        fix = "nothing to do, unless positions and pose are known that well: then check them"
-        found.append(Finding("standard errors", "ok", text, fix))
-    for text in fit.vague:
-        what, _, fix = text.partition(": ")
-        found.append(Finding("unknown", "warning", what, fix))
-    places = [" ".join(f"{1e3 * v:.0f}" for v in q) + " mm" for q in scan.positions]
-    if fit.odd.any():
-        wrong = fit.odd.sum() > max(
-            MAX_ODD * len(fit.odd), 2.0
-        )  # two may be a pair of swapped wires
-        fix = "check the order of the channels, their wires and joints, or leave their rows out"
-        text = _list(names, fit.odd)
-        level = "problem" if wrong else "warning"
-        found.append(Finding("channels that do not fit", level, text, fix))
-    for name, which, items, fix in (
-        (
-            "positions that do not fit",
-            fit.doubtful | (fit.residuals > MAX_MISFIT),
-            places,
-            "leave their rows out, or measure there again: they may be a wavelength off",
-        ),
-        ("dead", fit.dead, names, "they get strength 0 and are not driven: check their joints"),
-        (
-            "reversed",
-            fit.reversed,
-            names,
-            "nothing to do: the calibration turns their phase",
-        ),
-        ("unseen", fit.unseen, names, "left out: scan closer to them, or at more positions"),
-    ):
-        if which.any():
-            found.append(Finding(name, "warning", _list(items, which), fix))
-    return found
-
-
-def _list(items: list[str], which: Flags) -> str:
-    """Return how many items are chosen, and the first of them."""
-    chosen = [item for item, here in zip(items, which, strict=True) if here]
-    return f"{len(chosen)}: {list_first(chosen)}"
-
-
-def _measure(values: Floats, errors: Floats, form: str) -> str:
-    return ", ".join(f"{v:{form}} +- {e:{form}}" for v, e in zip(values, errors, strict=True))

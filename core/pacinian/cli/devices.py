@@ -12,7 +12,7 @@ import click
 
 from pacinian.cli.device_calibrate import calibrate
 from pacinian.cli.doctor_rules import RIGHTS
-from pacinian.cli.nonempty import TEXT, NonEmptyPath
+from pacinian.cli.options import TEXT, NonEmptyPath
 from pacinian.cli.run_output import check_picture_path
 from pacinian.errors import replace_unprintable
 
@@ -96,7 +96,7 @@ def check(file: Path, offline: bool, as_json: bool) -> None:
 
     Exit code 1 if there is a problem; warnings do not count.
     """
-    from pacinian.cli.device_findings import calibration, check_description
+    from pacinian.cli.device_check_rules import check_calibration, check_description
     from pacinian.cli.doctor import report_findings
     from pacinian.devices.calibration import read_calibration
     from pacinian.devices.description import DeviceDescription
@@ -104,7 +104,9 @@ def check(file: Path, offline: bool, as_json: bool) -> None:
     device = DeviceDescription.load(file)
     findings = check_description(device)
     if device.calibration:
-        findings.append(calibration(device, read_calibration(file.parent / device.calibration)))
+        findings.append(
+            check_calibration(device, read_calibration(file.parent / device.calibration))
+        )
     if not offline:
         findings += _check_online(device)
     report_findings(findings, as_json)
@@ -112,7 +114,7 @@ def check(file: Path, offline: bool, as_json: bool) -> None:
 
 def _check_online(device: DeviceDescription) -> list[Finding]:
     """Check the description against its backend and the connected devices."""
-    from pacinian.cli.device_findings import check_connected, levels
+    from pacinian.cli.device_check_rules import check_connected, check_levels
     from pacinian.plugins import device_discovery, registry
 
     found = check_connected(
@@ -120,7 +122,7 @@ def _check_online(device: DeviceDescription) -> list[Finding]:
     )
     if device.backend:
         capability = registry.read_capability(registry.backend(device.backend))
-        found.insert(0, levels(device, capability))
+        found.insert(0, check_levels(device, capability))
     return found
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from pacinian.cli.connection_option import CONNECTION
+from pacinian.cli.options import CONNECTION
 from pacinian.errors import replace_unprintable
 
 if TYPE_CHECKING:

@@ -22,13 +22,15 @@ RIGHTS = (
 )
 INSTALL = "in a fresh virtual environment, run `python -m pip install SOURCE`, where SOURCE is the wheel or the folder"
 
+Level = Literal["ok", "warning", "problem"]
+
 
 @dataclass(frozen=True)
 class Finding:
     """A finding: its subject, level, text and remedy."""
 
     name: str
-    level: Literal["ok", "warning", "problem"]
+    level: Level
     text: str
     fix: str = ""
 

@@ -16,7 +16,7 @@ import click
 
 from pacinian.atomic_file import replace_file
 from pacinian.cli.engine_package import Package, PackageError, find_package, install
-from pacinian.cli.nonempty import NonEmptyPath
+from pacinian.cli.options import NonEmptyPath
 
 if TYPE_CHECKING:
     from collections.abc import Callable

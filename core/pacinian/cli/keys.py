@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from pacinian.cli.nonempty import TEXT, NonEmptyPath
+from pacinian.cli.options import TEXT, NonEmptyPath
 
 FOLDER = click.option(
     "--folder", required=True, type=NonEmptyPath(file_okay=False), help="Folder of the keys."
@@ -20,9 +20,9 @@ def keys() -> None:
 @FOLDER
 def server(folder: str) -> None:
     """Make the server's key pair."""
-    from pacinian.serving.ipc.auth import make_key_pair
+    from pacinian.serving.ipc.auth import make_server_keys
 
-    public, secret = make_key_pair(folder, "server", server=True)
+    public, secret = make_server_keys(folder)
     click.echo(f"public, for clients:     {public}")
     click.echo(f"secret, for the server:  {secret}")
 
@@ -40,11 +40,11 @@ def client(name: str, folder: str, host: str | None, ports: tuple[int, int, int]
     With --host and --ports, also write a connection file with everything that the client needs. Copy it to the client
     over a channel that nobody else can read, and delete it here.
     """
-    from pacinian.serving.ipc.auth import make_key_pair, write_remote_connection
+    from pacinian.serving.ipc.auth import make_client_keys, write_remote_connection
 
     if bool(host) != bool(ports):
         raise click.UsageError("--host and --ports go together")
-    public, secret = make_key_pair(folder, name)
+    public, secret = make_client_keys(folder, name)
     click.echo(f"public, let in:          {public}")
     click.echo(f"secret, for the client:  {secret}")
     if host and ports:

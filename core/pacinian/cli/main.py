@@ -19,6 +19,7 @@ from pacinian.cli.new import new
 from pacinian.cli.plugins import plugins
 from pacinian.cli.render import render
 from pacinian.cli.replay import replay
+from pacinian.cli.rerender import rerender
 from pacinian.cli.schema import schema
 from pacinian.cli.serve import serve
 from pacinian.cli.status import status
@@ -47,7 +48,7 @@ GROUPS: dict[CommandGroup, str] = {
 """The groups of commands in the order of help, and their headings."""
 COMMANDS: dict[CommandGroup, tuple[click.Command, ...]] = {
     "start": (demo, doctor, unity, unreal),
-    "run": (serve, stop, render, replay, keys),
+    "run": (serve, stop, render, replay, rerender, keys),
     "inspect": (status, watch, view, devices, plugins),
     "develop": (new, schema, wire),
 }

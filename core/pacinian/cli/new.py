@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
-from pacinian.cli.nonempty import NonEmptyPath
+from pacinian.cli.options import NonEmptyPath
 
 if TYPE_CHECKING:
     from importlib.resources.abc import Traversable

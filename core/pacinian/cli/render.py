@@ -8,8 +8,7 @@ from typing import Any
 
 import click
 
-from pacinian.cli.finite_range import FiniteRange
-from pacinian.cli.nonempty import PATH, TEXT, NonEmptyPath
+from pacinian.cli.options import PATH, TEXT, FiniteRange, NonEmptyPath
 from pacinian.cli.run_output import check_picture_path
 
 
@@ -85,7 +84,7 @@ def render(
         summary,
     )
     from pacinian.rendering.recording import Recorder
-    from pacinian.rendering.scene_renderer import make_renderer
+    from pacinian.rendering.renderer_from_file import make_renderer
     from pacinian.scene.file import load_scene_file
 
     if out:  # before anything runs

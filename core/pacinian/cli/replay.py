@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 import click
 
-from pacinian.cli.nonempty import PATH, TEXT
+from pacinian.cli.options import PATH, TEXT
 
 if TYPE_CHECKING:
     from pacinian.rendering.recording import Recording
@@ -19,23 +18,16 @@ CUT_SHORT = "the recording is cut short: it ends within a tick, so later ticks a
 @click.command()
 @click.argument("recording", type=PATH)
 @click.option(
-    "--backend", type=TEXT, default=None, help="Backend to play on.  [default: simulated]"
-)
-@click.option(
-    "--again", is_flag=True, help="Instead, render the scenes again and compare the frames."
+    "--backend", type=TEXT, default="simulated", show_default=True, help="Backend to play on."
 )
 @click.option(
     "--strict", is_flag=True, help="Refuse another array, and exit with code 1 if frames are late."
 )
 @click.option("--json", "as_json", is_flag=True, help="One JSON object instead of a line.")
-def replay(recording: str, backend: str | None, again: bool, strict: bool, as_json: bool) -> None:
+def replay(recording: str, backend: str, strict: bool, as_json: bool) -> None:
     """Play a recording again.
 
-    Sends its frames to a backend, with their original timing.
-
-    With --again, render its scenes again as fast as possible, with the recorded decisions. On the same machine the
-    frames are identical, bit for bit. Exit code 1 if any frame differs. Differences of versions, kernels and objects
-    are named.
+    Sends its frames to a backend, with their original timing. `pacinian rerender` renders its scenes again instead.
     """
     from pacinian.cli.run_output import blame_plugin, forbid_exit
     from pacinian.plugins.registry import backend as make
@@ -43,23 +35,7 @@ def replay(recording: str, backend: str | None, again: bool, strict: bool, as_js
     from pacinian.rendering.recording import Recording
     from pacinian.rendering.replay import replay as play
 
-    if again and backend is not None:
-        raise click.UsageError("--again plays on no backend: give one of --again and --backend")
-    if again and strict:
-        raise click.UsageError("--strict plays on a backend: give one of --again and --strict")
-    backend = backend or "simulated"
     opened = Recording(recording)
-    if again:
-        from pacinian.rendering.rerender import rerender
-
-        with forbid_exit():
-            found = rerender(opened)
-        _warn(opened)
-        if as_json:
-            click.echo(json.dumps({"recording": recording, **asdict(found)}))
-        else:
-            click.echo(str(found))
-        raise SystemExit(1 if found.different else 0)
     can = opened.capability
     fits = {"phases": can.phases, "amplitudes": can.amplitudes, "rate": can.rate}
     options = fits if backend == "simulated" else {}
@@ -67,7 +43,7 @@ def replay(recording: str, backend: str | None, again: bool, strict: bool, as_js
     read_capability(device)
     with forbid_exit(), blame_plugin(f"backend {backend!r}"):
         frames, late = play(opened, device, opened.array, strict=strict)
-    _warn(opened)
+    warn_if_cut_short(opened)
     if as_json:
         figures = {"recording": recording, "backend": backend, "frames": frames, "late": late}
         click.echo(json.dumps(figures))
@@ -78,7 +54,7 @@ def replay(recording: str, backend: str | None, again: bool, strict: bool, as_js
     raise SystemExit(1 if strict and late else 0)
 
 
-def _warn(recording: Recording) -> None:
-    """Say so if ticks are missing at the end of a recording."""
+def warn_if_cut_short(recording: Recording) -> None:
+    """Write to standard error if ticks are missing at the end of a recording."""
     if recording.cut_short:
         click.echo(CUT_SHORT, err=True)

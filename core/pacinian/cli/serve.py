@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from pacinian.cli.nonempty import PATH, TEXT, NonEmptyPath
+from pacinian.cli.options import PATH, TEXT, NonEmptyPath
 
 if TYPE_CHECKING:
     from collections.abc import Generator

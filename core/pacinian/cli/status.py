@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from pacinian.cli.connection_option import CONNECTION
+from pacinian.cli.options import CONNECTION
 from pacinian.errors import replace_unprintable
 from pacinian.skip_reasons import split_skips
 

@@ -6,8 +6,7 @@ import json
 
 import click
 
-from pacinian.cli.connection_option import CONNECTION
-from pacinian.cli.finite_range import FiniteRange
+from pacinian.cli.options import CONNECTION, FiniteRange
 from pacinian.errors import ServerError
 
 NOT_CONFIRMED = "The stop is not confirmed: if the array sounds, switch it off."

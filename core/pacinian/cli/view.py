@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from pacinian.cli.connection_option import CONNECTION
-from pacinian.cli.nonempty import TEXT, NonEmptyPath
+from pacinian.cli.options import CONNECTION, TEXT, NonEmptyPath
 from pacinian.cli.standard_input import call_at_end_of_input
 
 if TYPE_CHECKING:

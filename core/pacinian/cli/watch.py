@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from pacinian.cli.connection_option import CONNECTION
-from pacinian.cli.finite_range import FiniteRange
+from pacinian.cli.options import CONNECTION, FiniteRange
 from pacinian.cli.status import make_table, plain
 
 if TYPE_CHECKING:

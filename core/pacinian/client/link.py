@@ -36,14 +36,13 @@ OPTIONS = {
     zmq.HANDSHAKE_IVL: 2000,  # [ms], as are all times below
     zmq.CONNECT_TIMEOUT: 2000,
 }
-ONCE = {zmq.IMMEDIATE: 1, zmq.RECONNECT_IVL: -1}
-# No high-water mark: if one is reached while a heartbeat is due, libzmq 4.3 aborts (`!_io_error`).
-# The timeout is a little shorter than that of a reply. Silence does not depend on it, but on the
-# lease (decision 29).
+NO_RECONNECT = {zmq.IMMEDIATE: 1, zmq.RECONNECT_IVL: -1}
 HEARTBEAT = {
     zmq.HEARTBEAT_IVL: HEARTBEAT_INTERVAL_MS,
+    # A little shorter than the timeout of a reply. Silence does not depend on it, but on the lease (decision 29).
     zmq.HEARTBEAT_TTL: HEARTBEAT_TIMEOUT_MS,
     zmq.HEARTBEAT_TIMEOUT: HEARTBEAT_TIMEOUT_MS,
+    # No limit, in place of that in OPTIONS: libzmq 4.3 aborts (`!_io_error`) if a heartbeat is due behind a full queue.
     zmq.RCVHWM: 0,
 }
 
@@ -94,13 +93,13 @@ class Link:
         advice: str = START_SERVER,
     ) -> None:
         self.at, self._advice = at, advice
-        self.known = False
+        self.has_answered = False
         """Whether the server has answered on any connection.
 
         A connection that ends after that means the server has gone.
         """
         self.socket = make_socket(context, zmq.DEALER, connection)
-        for option, value in {**ONCE, **(HEARTBEAT if heartbeat else {})}.items():
+        for option, value in {**NO_RECONNECT, **(HEARTBEAT if heartbeat else {})}.items():
             self.socket.setsockopt(option, value)
         self.monitor = self.socket.get_monitor_socket(ENDS)
         try:
@@ -145,7 +144,7 @@ class Link:
         event = recv_monitor_message(self.monitor)["event"]
         if event & DENIED:
             why = "refuses the token or key: it does not know it, or was started again since"
-        elif self.known:
+        elif self.has_answered:
             why = "has gone"  # even during a handshake
         elif event & FOREIGN:
             why = "is not a Pacinian server, requires other security (CURVE keys or a token), or is too busy"

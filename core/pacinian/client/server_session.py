@@ -81,7 +81,7 @@ class ServerSession:
             self.welcome = self._hello(hello)
             self._due = self.clock() + self.renewal_interval
             for link in self._links:
-                link.known = True
+                link.has_answered = True
         except BaseException:
             self.close()
             raise

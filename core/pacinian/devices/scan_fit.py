@@ -22,7 +22,7 @@ from scipy.sparse.csgraph import connected_components
 from pacinian.acoustics.air import Air
 from pacinian.argument_checks import check_near, check_number, check_numbers
 from pacinian.devices.scan_robust_fit import (
-    MAX_RESIDUAL,
+    MAX_MATCHING_RESIDUAL,
     MAX_SPEED,
     MIN_NOISE,
     MIN_SPEED,
@@ -45,10 +45,12 @@ POSITION_ERROR = 1e-3  # standard error of the microphone's coordinates [m]
 SHIFT_ERROR, TURN_ERROR = 1e-3, 5e-3  # of the array's pose in the microphone's frame [m], [rad]
 MAX_MOVE = 2.0  # rms correction of the positions, in standard errors
 MAX_POSE_MOVE = 5.0  # rms correction of the pose, in standard errors
-MAX_SPREAD = 2.0  # misfit at a position, relative to that of the scan; beyond, it is doubtful
+# Largest misfit at a position, relative to that of the scan; beyond, the position is doubtful.
+MAX_POSITION_MISFIT_RATIO = 2.0
 MAX_ERROR = 0.1  # relative error of a response from noise; beyond, the transducer is unseen
 OUTLIER_WEIGHT = 0.1  # weight, 0..1, below which a reading is an outlier
-MAX_OUTLIER_SHARE = 0.5  # share of outliers in a transducer's readings above which these are odd
+# Largest share of outliers in a transducer's readings; above it, these are odd.
+MAX_TRANSDUCER_OUTLIER_SHARE = 0.5
 MIN_SCANNED_STRENGTH = 0.1  # strength relative to the mean; below, the transducer is dead
 # information about a parameter from the scan, relative to its prior; below, the parameter is unknown
 MIN_INFORMATION = 0.1
@@ -81,7 +83,8 @@ class ScanFit:
     positions: corrected positions of the microphone [m], (M, 3), with position_errors [m], (M, 3). residuals:
         unexplained part of a typical reading at each position, relative to the expected rms there, (M,). residual:
         unexplained part of a typical reading of the whole scan, relative to its expected rms. doubtful: the misfit at a
-        position is more than `MAX_SPREAD` times the typical misfit, (M,); the position may be wrong by a wavelength.
+        position is more than `MAX_POSITION_MISFIT_RATIO` times the typical misfit, (M,); the position may be wrong by a
+        wavelength.
         outliers: number of readings that lost most of their weight.
     speed_of_sound: fitted or given speed [m/s]. speed_error: its error [m/s].
     pose: the array's pose in the frame of the scan: `array.transform(pose)` is where it is. shift, turn: the shift of
@@ -188,7 +191,7 @@ def fit_scan(
         raise ArgumentError("positions", "; ".join([few, *vague]))
     _check_count(read, int(group.max()))
     best = fit_model(array, q0, X, read, own, prior)
-    if best.residual > MAX_RESIDUAL:
+    if best.residual > MAX_MATCHING_RESIDUAL:
         turned = fit_model(array, q0, X.conj(), read, own, prior)
         raise ArgumentError("readings", _advise(best.residual, turned.residual))
     _check_corrections(best, q0, prior)
@@ -263,7 +266,7 @@ def _check_corrections(model: ScanModel, positions: Floats, prior: Prior) -> Non
 
 def _advise(residual: float, turned: float) -> str:
     text = f"do not fit the array: {residual:.0%} of a typical one is not explained. "
-    if turned <= MAX_RESIDUAL:
+    if turned <= MAX_MATCHING_RESIDUAL:
         return text + (
             "They fit if the sign of all phases is reversed. A phase must be positive where the sound leads the "
             "reference. If your phases already follow this rule, the channels may be in reverse order"
@@ -425,7 +428,7 @@ def _measure_misfits(model: ScanModel) -> tuple[Floats, Flags]:
         compare_noise(float(misfit) / np.sqrt(np.log(4.0)), F[read])
         for misfit, F, read in zip(misfits, model.F, model.read, strict=True)
     ]
-    return np.array(residuals), misfits > MAX_SPREAD * typical
+    return np.array(residuals), misfits > MAX_POSITION_MISFIT_RATIO * typical
 
 
 def _compute_factor_errors(model: ScanModel, group: Longs) -> Floats:
@@ -440,5 +443,5 @@ def _find_odd(model: ScanModel, outlying: Flags) -> Flags:
     """Return whether each transducer is odd, (N,), as in `ScanFit`. outlying: which readings are outliers, (M, N)."""
     sizes = np.maximum((np.abs(model.X) ** 2).sum(axis=0), MIN_SUM)
     missed = np.sqrt((np.abs(model.read * (model.X - model.F)) ** 2).sum(axis=0) / sizes)  # (N,)
-    often = outlying.sum(axis=0) > MAX_OUTLIER_SHARE * model.read.sum(axis=0)
-    return np.asarray(often & (missed > MAX_RESIDUAL))
+    often = outlying.sum(axis=0) > MAX_TRANSDUCER_OUTLIER_SHARE * model.read.sum(axis=0)
+    return np.asarray(often & (missed > MAX_MATCHING_RESIDUAL))

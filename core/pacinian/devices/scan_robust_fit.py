@@ -42,7 +42,8 @@ TYPICAL = 0.9  # quantile of the readings that stands for all: many may be of de
 KNOWN = 1e-9  # standard error of what is given
 MAX_STEPS = 60  # Gauss-Newton steps for one set of priors
 MAX_WIDENINGS = 20  # of the priors
-MAX_RESIDUAL = 0.5  # residual, relative to the expected rms; beyond, the scan is not of this array
+# Largest residual, relative to the expected rms; beyond, the scan is not of this array.
+MAX_MATCHING_RESIDUAL = 0.5
 MIN_WIDENING = 0.01  # smallest relative change of a prior's error after which the fit goes on
 MAX_LAST_CORRECTION = 1e-7  # largest correction of a position at convergence [m]
 CAUCHY_SCALE = 3.0  # misfit at which a reading has half its weight [standard errors]
@@ -177,7 +178,7 @@ class ScanModel:
         for _ in range(MAX_WIDENINGS):
             self._converge()
             # no errors of positions explain a scan of another array
-            if self.residual > MAX_RESIDUAL or not self._widen(given_prior):
+            if self.residual > MAX_MATCHING_RESIDUAL or not self._widen(given_prior):
                 break
         self._weigh()
         self._compute_covariance()

@@ -36,7 +36,7 @@ class ListedDevice:
     problem: str = ""
 
     @property
-    def place(self) -> str:
+    def address(self) -> str:
         """Bus and address of the device."""
         return f"bus {self.device.bus}, address {self.device.address}"
 
@@ -85,7 +85,7 @@ class UsbKind:
         """Return serial, title and problem of each device, for `FoundDevice`; only a problem if the search fails."""
         try:
             return [
-                (one.serial, f"{title}, {one.place}", one.problem)
+                (one.serial, f"{title}, {one.address}", one.problem)
                 for one in self.list_devices(library)
             ]
         except BackendError as error:
@@ -102,16 +102,16 @@ class UsbKind:
             return found[0]
         which = f"{self.name} {serial}".rstrip()
         if found and serial:
-            where = " and ".join(one.place for one in found)
+            where = " and ".join(one.address for one in found)
             raise BackendError(
                 f"{which}: {len(found)} devices have this serial number, at {where}: unplug one"
             )
         there = ", ".join(one.serial for one in readable) or "none"
-        problems = "".join(f"; {one.place}: {one.problem}" for one in listed if one.problem)
+        problems = "".join(f"; {one.address}: {one.problem}" for one in listed if one.problem)
         trouble = "there are several: say which" if found else "is not connected"
         raise BackendError(f"{which}: {trouble}; there are: {there}{problems}")
 
-    def interface(self, device: Any) -> Any:
+    def find_interface(self, device: Any) -> Any:
         """Return the interface by which a pyusb device is of this kind; None if it is not.
 
         Reads descriptors only. If vendor and product identify the device, this is its first interface.
@@ -125,19 +125,19 @@ class UsbKind:
         return None
 
     def convert_error(
-        self, error: Exception, doing: str, serial: str = "", place: tuple[int, int] = (0, 0)
+        self, error: Exception, doing: str, serial: str = "", address: tuple[int, int] = (0, 0)
     ) -> BackendError:
         """Convert an error of pyusb to a BackendError, for the caller to raise.
 
-        doing: description of the action that failed. serial: serial of the device. place: its bus and address.
+        doing: description of the action that failed. serial: serial of the device. address: its bus and address.
         """
-        text = self.gone if has_gone(error) else f"{doing}: {advice(error, place, self.hangs)}"
+        text = self.gone if has_gone(error) else f"{doing}: {advice(error, address, self.hangs)}"
         return BackendError(f"{self.name} {serial}".rstrip() + f": {text}")
 
     def _ours(self, device: Any) -> bool:
         whole = (device.idVendor, device.idProduct) in self.usb
         with suppress(Exception):  # a device with unreadable interfaces is not of this kind
-            return whole or self.interface(device) is not None
+            return whole or self.find_interface(device) is not None
         return False
 
     def _read(self, device: Any) -> ListedDevice | None:

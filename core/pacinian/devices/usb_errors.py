@@ -22,10 +22,10 @@ def has_gone(error: Exception) -> bool:
     return getattr(error, "errno", None) in (errno.ENODEV, errno.ESHUTDOWN, errno.ENXIO)
 
 
-def advice(error: Exception, place: tuple[int, int] = (0, 0), hangs: str = HANGS) -> str:
+def advice(error: Exception, address: tuple[int, int] = (0, 0), hangs: str = HANGS) -> str:
     """Return an explanation of an error, for the user.
 
-    place: bus and address of the device. hangs: possible reasons for a timeout.
+    address: bus and address of the device. hangs: possible reasons for a timeout.
     """
     number = getattr(error, "errno", None)
     if number in (errno.EACCES, errno.EPERM):
@@ -33,7 +33,7 @@ def advice(error: Exception, place: tuple[int, int] = (0, 0), hangs: str = HANGS
     if isinstance(error, NotImplementedError) or number == errno.ENOSYS:
         return DRIVER
     if number == errno.EBUSY:
-        node = "/dev/bus/usb/{:03d}/{:03d}".format(*place)
+        node = "/dev/bus/usb/{:03d}/{:03d}".format(*address)
         return f"it is in use by {find_users(node) or 'another program'}: end that first"
     if number == errno.EPIPE:
         return "it refuses (stall)"

@@ -37,7 +37,7 @@ class UsbLink:
         self._kind, self._device = kind, one.device
         self._detached = self._closed = False
         try:
-            interface = kind.interface(self._device)
+            interface = kind.find_interface(self._device)
             endpoint = next((e for e in interface or () if _takes_frames(e)), None)
             if endpoint is None:
                 raise BackendError(
@@ -120,8 +120,8 @@ class UsbLink:
 
     def _convert_error(self, error: Exception, doing: str) -> BackendError:
         self.gone = self.gone or has_gone(error)
-        place = self._device.bus or 0, self._device.address or 0
-        return self._kind.convert_error(error, doing, self.serial, place)
+        address = self._device.bus or 0, self._device.address or 0
+        return self._kind.convert_error(error, doing, self.serial, address)
 
 
 def _takes_frames(endpoint: Any) -> bool:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pacinian.acoustics.audibility import BAND, BANDWIDTH, compute_envelope, weigh_a
 from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.acoustics.propagation import matrix
 from pacinian.argument_checks import check_near, check_numbers
@@ -14,7 +15,6 @@ from pacinian.plot.emissions import Emission, Run, collect_emission
 from pacinian.plot.page import panels
 from pacinian.plot.quantities import QUANTITIES
 from pacinian.plot.style import BLUE, GREY, LINE, RED, bar, dress
-from pacinian.rendering.audibility import BAND, BANDWIDTH, compute_envelope, weigh_a
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

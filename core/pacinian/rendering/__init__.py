@@ -10,7 +10,7 @@ The loop
     skin_loader.py            builds the skin of a hand of a new kind, while the output is silent
     realtime_section.py       garbage collection and thread switches, kept from delaying ticks
     fail_safe_output.py       an exception in a tick (scene, solver, backend) is reported, and silences until a reset
-    scene_renderer.py         a renderer from a scene file
+    renderer_from_file.py     a renderer from a scene file
 Solve
     scene_solver.py           samples a scene and solves for it: the job of a tick, or in the background
     solve_deadline.py         how long a solve may take
@@ -49,7 +49,6 @@ What is reported
     felt_monitor.py           keeps what some ticks have emitted, and measures it in the background
     measurement_schedule.py   when the emitted field is measured
     emitted_measurement.py    the emitted field between the samples, and on touched skin
-    audibility.py             how audible the frames are
 Recordings
     recording.py              the file: written tick by tick, read up to its last whole tick
     scene_log.py              changes of the scene from tick to tick, as they are written

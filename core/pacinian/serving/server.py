@@ -5,9 +5,6 @@ from __future__ import annotations
 import contextlib
 import functools
 import os
-import signal
-import socket
-import sys
 import threading
 from typing import TYPE_CHECKING
 
@@ -18,22 +15,21 @@ from msgspec.structs import replace
 from pacinian.errors import SceneFileError, ServerError
 from pacinian.scene.config_sections import Device
 from pacinian.serving.control.process import ControlLoop
-from pacinian.serving.control.sockets import ControlSockets, explain_bind_error
+from pacinian.serving.control.sockets import ControlSockets
 from pacinian.serving.control.supervisor import GUARD, SPARE, START_ORDER, Supervisor
-from pacinian.serving.ipc import launched_child, scheduling, shared_memory
+from pacinian.serving.ipc import launched_child, scheduling, shared_memory, system_setup
 from pacinian.serving.ipc.auth import ClientAuthenticator, make_secrets
 from pacinian.serving.ipc.child_pipe import ChildPipes
 from pacinian.serving.ipc.file_lock import FileLock, LockHeld
 from pacinian.serving.ipc.launch_config import LaunchConfig
 from pacinian.serving.ipc.logs import configure, flush, log
-from pacinian.serving.ipc.memory_trim import trim_memory
 from pacinian.serving.ipc.messages import (
     CAPACITIES,
     DeviceStatus,
     compute_frame_capacity,
     open_wakes,
 )
-from pacinian.serving.ipc.open_files import list_file_descriptors
+from pacinian.serving.ipc.ports import find_free_port
 from pacinian.serving.ipc.refused_setting import take_refused_setting
 from pacinian.serving.settings import METRICS_HOST
 from pacinian.wire.connection_file import (
@@ -48,19 +44,15 @@ from pacinian.wire.stop_datagram import StopSocket
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator
     from pathlib import Path
-    from types import FrameType
 
     from pacinian.serving.control.supervisor import SupervisedChild
     from pacinian.serving.ipc.child_pipe import ChildPipe
     from pacinian.serving.ipc.shared_memory import SharedRegister
     from pacinian.serving.settings import Network, Settings
 
-# Largest number of child processes: the server's other processes, the spare guard, and one that the system does not let
-# end.
+# Largest number of child processes: the server's other processes, the spare guard, and one killed process that has not
+# ended yet.
 MAX_CHILDREN = 5
-# Smallest number of file descriptors with which a server starts. Its own are 52; ZeroMQ ends the process that has none
-# left.
-MIN_FILE_LIMIT = 64
 
 
 def serve(
@@ -76,21 +68,22 @@ def serve(
     """Run the server until SIGTERM, Ctrl-C or `ending`; then always silence the device.
 
     ready: called with the connection file once clients can connect. start_child: starts another process.
-    source: file that the settings are from, for errors. fork: whether, on Linux, the first of the other processes are
-    copies of this one, if it has no open files. It must then be small, without threads that do more than wait. Raises
-    ServerError; SceneFileError for settings that a solver or a backend refuses.
+    source: file that the settings are from, for errors. fork: start the first children by fork (Linux only, and only
+    if this process has opened no file). The caller must then be small, and its threads idle. Raises ServerError;
+    SceneFileError for settings that a solver or a backend refuses.
     """
     ending = ending or threading.Event()
-    _hold_standard_files()
-    fork = fork and not _has_open_files()  # a copy would have their objects without the files
+    system_setup.hold_standard_files()
+    # A fork would inherit Python objects whose files are closed in it.
+    fork = fork and not system_setup.has_open_files()
     path = locate_connection(settings.connection)
     with contextlib.ExitStack() as stack:
         stack.enter_context(_lock_connection_file(path))
         configure(settings.log, "control")
-        _raise_file_limit()
+        system_setup.raise_file_limit()
         stack.callback(flush)
         _check_ports(settings)
-        stack.enter_context(_catch_signals(ending))
+        stack.enter_context(system_setup.catch_signals(ending))
         pipes = stack.enter_context(ChildPipes(MAX_CHILDREN))
         forked = stack.enter_context(
             launched_child.ForkedChildren((*START_ORDER, GUARD) if fork else (), pipes)
@@ -98,7 +91,7 @@ def serve(
         secrets = make_secrets(settings)
         folder = stack.enter_context(shared_memory.open_folder())
         stack.enter_context(_name_refused_setting(folder, source))
-        settings = _keep_description(settings, folder)
+        settings = _copy_description(settings, folder)
         files = stack.enter_context(_create_registers(settings, folder))
         # The stop is answered whatever the others do; ZeroMQ's threads inherit the priority.
         scheduling.raise_priority()
@@ -110,7 +103,7 @@ def serve(
         sockets = stack.enter_context(
             ControlSockets(context, authenticator, settings.network, stop)
         )
-        command = settings.network.command or _find_free_port(settings.network.host, 0)
+        command = settings.network.command or find_free_port(settings.network.host, 0)
         network = replace(
             settings.network, control=sockets.control, command=command, state=sockets.state
         )
@@ -133,7 +126,7 @@ def serve(
                     stack.callback(connection.remove, path)
                     _announce_ready(path, ready)
         finally:
-            notify("STOPPING=1")
+            system_setup.notify_systemd("STOPPING=1")
             control.silence_all()
             sockets.close()  # the files of connections are needed to remove the connection file
             log().info("end")
@@ -157,9 +150,9 @@ def _create_registers(settings: Settings, folder: Path) -> Generator[dict[str, S
 def _announce_ready(path: Path, ready: Callable[[Path], object]) -> None:
     """Tell the log, systemd and the caller of `serve` that clients can connect; return memory that the start needed."""
     log().info("ready", connection=str(path))
-    notify("READY=1")
+    system_setup.notify_systemd("READY=1")
     ready(path)
-    trim_memory()
+    system_setup.trim_memory()
 
 
 def _take_or_start_child(
@@ -200,7 +193,7 @@ def _name_plugins(settings: Settings) -> dict[str, str]:
     return {"guard": f"the backend {backend!r}", "render": f"the solver {solver!r}"}
 
 
-def _keep_description(settings: Settings, folder: Path) -> Settings:
+def _copy_description(settings: Settings, folder: Path) -> Settings:
     """Give all processes one copy of the device description. The file may change before one of them starts again."""
     if not isinstance(settings.array, Device):
         return settings
@@ -239,25 +232,6 @@ def _open_stop_socket(path: Path, secrets: dict[str, str]) -> StopSocket:
         ) from error
 
 
-def _raise_file_limit() -> None:
-    """Allow as many connections as the system permits. Each connection takes a file descriptor.
-
-    Raises ServerError if the system permits too few.
-    """
-    if sys.platform == "win32":
-        return
-    import resource
-
-    most = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
-    if most != resource.RLIM_INFINITY and most < MIN_FILE_LIMIT:
-        raise ServerError(
-            f"the system permits {most} files, and a server needs {MIN_FILE_LIMIT}: "
-            f"run `ulimit -Hn {MIN_FILE_LIMIT}` as root, or raise the limit of this user or service"
-        )
-    with contextlib.suppress(OSError, ValueError):
-        resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
-
-
 def _end_children(supervisor: Supervisor, device: SharedRegister) -> None:
     """End all processes. Raises ServerError if the device may still sound."""
 
@@ -268,15 +242,6 @@ def _end_children(supervisor: Supervisor, device: SharedRegister) -> None:
 
     for name in supervisor.end(has_device):
         log().error("had to be killed", name=name)
-
-
-def _hold_standard_files() -> None:
-    """Open the null device for standard files that are closed, so that no other file gets their numbers."""
-    for number in range(3):
-        try:
-            os.fstat(number)
-        except OSError:
-            os.set_inheritable(os.open(os.devnull, os.O_RDWR), True)
 
 
 def _serve_metrics(
@@ -313,60 +278,4 @@ def _check_ports(settings: Settings) -> None:
     ports = [(network.host, port) for port in (network.control, network.command, network.state)]
     for host, port in (*ports, (METRICS_HOST, settings.metrics.port)):
         if port:
-            _find_free_port(host, port)
-
-
-def _find_free_port(host: str, port: int) -> int:
-    """Return a free port for a later bind: the given one, or any if it is 0. Raises ServerError."""
-    family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    try:
-        with socket.socket(family) as probe:
-            # ZeroMQ binds with this option too: lingering connections do not block the port.
-            if os.name == "posix":
-                probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            probe.bind((host, port))
-            return int(probe.getsockname()[1])
-    except OSError as error:
-        raise ServerError(explain_bind_error(f"{host}:{port}", error.strerror)) from error
-
-
-def _has_open_files() -> bool:
-    """Return whether this process has opened other files than the standard ones, or the system does not tell.
-
-    Files that it has inherited do not count: they are inheritable, and those that Python opens are not.
-    """
-    try:
-        return any(not os.get_inheritable(number) for number in list_file_descriptors())
-    except OSError:
-        return True
-
-
-@contextlib.contextmanager
-def _catch_signals(ending: threading.Event) -> Generator[None]:
-    """Let SIGTERM, Ctrl-C and the end of a terminal end the server in order, instead of anywhere."""
-
-    def asked(number: int, frame: FrameType | None) -> None:
-        ending.set()
-
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    names = [getattr(signal, n) for n in ("SIGTERM", "SIGINT", "SIGBREAK") if hasattr(signal, n)]
-    if sys.platform != "win32" and signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:  # nohup
-        names.append(signal.SIGHUP)
-    before = {name: signal.signal(name, asked) for name in names}
-    try:
-        yield
-    finally:
-        for name, handler in before.items():
-            signal.signal(name, handler)
-
-
-def notify(state: str) -> None:
-    """Notify systemd, if it asks for that: sd_notify(3)."""
-    address = os.environ.get("NOTIFY_SOCKET", "")
-    if not address or not hasattr(socket, "AF_UNIX"):
-        return
-    name = "\0" + address[1:] if address.startswith("@") else address
-    with contextlib.suppress(OSError), socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as to:
-        to.sendto(state.encode(), name)
+            find_free_port(host, port)

@@ -20,8 +20,8 @@ from pacinian.viewing.messages import (
     ArrayMessage,
     Histogram,
     Lost,
+    PlaybackState,
     Replay,
-    Replayed,
     SceneryMessage,
     encode_message,
 )
@@ -35,7 +35,7 @@ from pacinian.wire.state import State
 if TYPE_CHECKING:
     from pacinian.viewing.feed_file import Entry, FeedFile
     from pacinian.viewing.hub import Hub
-    from pacinian.viewing.messages import AnyAsked
+    from pacinian.viewing.messages import AnyPageMessage
 
 T = TypeVar("T")
 _objects: msgspec.msgpack.Decoder[Object] = msgspec.msgpack.Decoder(Object)
@@ -68,7 +68,7 @@ class FeedPlayer:
         self._turn = asyncio.Event()
         hub.ask, hub.record = self.ask, lambda page, on: self._not_here(page, "record")
 
-    def ask(self, page: int, asked: AnyAsked) -> None:
+    def ask(self, page: int, asked: AnyPageMessage) -> None:
         """Carry out a page's `replay`; refuse all other requests."""
         if not isinstance(asked, Replay):
             self._not_here(page, str(asked.__struct_config__.tag))
@@ -135,7 +135,7 @@ class FeedPlayer:
                 past = collect_history(self._recorded, self._recorded.entries[:place], self._model)
                 self._hub.put("history", past)
             self._past, self._pages = self.time, pages
-        stands = Replayed(
+        stands = PlaybackState(
             time=self.time, duration=self._recorded.duration, playing=self.playing, speed=self.speed
         )
         self._hub.put("replay", stands)

@@ -9,14 +9,22 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from msgspec.structs import replace
 
-from pacinian.viewing.messages import Disarm, Lost, Refused, SessionMessage, Slice, encode_message
+from pacinian.viewing.messages import (
+    Disarm,
+    Lost,
+    Refused,
+    SessionMessage,
+    Slice,
+    Volume,
+    encode_message,
+)
 from pacinian.viewing.scene_mirror import SceneMirror
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from pacinian.viewing.array_model import ArrayModel
-    from pacinian.viewing.messages import AnyAsked, ServerMessage, Volume
+    from pacinian.viewing.messages import AnyPageMessage, FieldRequest, ServerMessage
     from pacinian.viewing.region_error import Regions
 
 BASIS = "hello", "array", "lost"  # values that all others depend on, so they are sent first
@@ -39,17 +47,19 @@ class Drive(NamedTuple):
     regions: Regions | None = None
     shares: tuple[float, ...] = ()
 
-    def frames(self, asked: Slice | Volume) -> int:
+    def frames(self, asked: Slice) -> int:
         """Return the number of frames that count for the request."""
         one = 8 * len(self.model.array)
         return 1 if asked.over == "instant" else max(len(self.gains) // one, 1)
 
-    def choose_frames(self, asked: Slice | Volume) -> Drive:
+    def choose_frames(self, asked: FieldRequest) -> Drive:
         """Return the drive with the frames that count for the request, scaled so that all have equal shares.
 
-        An error always uses the mean. The peak needs no shares.
+        A skin and an error always use the mean. The peak needs no shares.
         """
-        over = "mean" if isinstance(asked, Slice) and asked.of == "error" else asked.over
+        over = "mean"
+        if isinstance(asked, Volume) or (isinstance(asked, Slice) and asked.of == "pressure"):
+            over = asked.over
         if over == "instant":
             newest = self.gains[-8 * len(self.model.array) :]
             return self._replace(gains=newest if newest.strip(b"\0") else b"", shares=())
@@ -69,7 +79,7 @@ class Hub:
 
     def __init__(self) -> None:
         self.drive: Drive | None = None
-        self.ask: Callable[[int, AnyAsked], None] = lambda page, asked: None
+        self.ask: Callable[[int, AnyPageMessage], None] = lambda page, asked: None
         self.record: Callable[[int, bool], None] = lambda page, on: None
         self.values: dict[str, tuple[int, bytes]] = {}
         self.scenery = SceneMirror()

@@ -34,13 +34,11 @@ class PageMessage(Struct, frozen=True, kw_only=True, tag_field="type", forbid_un
     """Base of the messages from a page."""
 
 
-class Slice(PageMessage, frozen=True, kw_only=True, tag="slice"):
-    """Request the field in a plane, now and whenever the emission changes, until `hide`.
+class Plane(PageMessage, frozen=True, kw_only=True):
+    """Base of the requests for a plane, answered now and whenever the emission changes, until `hide`.
 
     The point of row i and column j is centre + ((j + 1/2) / cols - 1/2) w u + ((i + 1/2) / rows - 1/2) h v.
-    u, v: unit vectors at a right angle. size: w, h [m]. shape: rows, cols. of: radiation pressure, or its error on
-    regions (delivered minus target). over: mean or maximum over the recent frames, or the newest frame alone; the error
-    is always that of the mean.
+    u, v: unit vectors at a right angle. size: w, h [m]. shape: rows, cols.
     """
 
     id: Id
@@ -49,8 +47,6 @@ class Slice(PageMessage, frozen=True, kw_only=True, tag="slice"):
     v: Direction
     size: tuple[Length, Length]
     shape: tuple[Side, Side]
-    of: Literal["pressure", "error"] = "pressure"
-    over: Over = "mean"
 
     def __post_init__(self) -> None:
         _check_point_count(self.shape)
@@ -60,8 +56,19 @@ class Slice(PageMessage, frozen=True, kw_only=True, tag="slice"):
             raise ValueError("`u` and `v` must be unit vectors at a right angle")
 
 
-class Skin(Slice, frozen=True, kw_only=True, tag="skin"):
-    """Request the radiation pressure on regions and its target, seen from a plane before them; otherwise as `Slice`."""
+class Slice(Plane, frozen=True, kw_only=True, tag="slice"):
+    """Request the field in a plane.
+
+    of: radiation pressure, or its error on regions (delivered minus target). over: mean or maximum over the recent
+    frames, or the newest frame alone; the error is always that of the mean.
+    """
+
+    of: Literal["pressure", "error"] = "pressure"
+    over: Over = "mean"
+
+
+class Skin(Plane, frozen=True, kw_only=True, tag="skin"):
+    """Request the mean radiation pressure on regions and its target, seen from a plane before them."""
 
 
 class Volume(PageMessage, frozen=True, kw_only=True, tag="volume"):
@@ -77,19 +84,22 @@ class Volume(PageMessage, frozen=True, kw_only=True, tag="volume"):
         _check_point_count(self.shape)
 
 
+FieldRequest = Slice | Skin | Volume
+
+
 class Hide(PageMessage, frozen=True, kw_only=True, tag="hide"):
     """End the updates of a slice, volume or skin."""
 
     what: Literal["slice", "volume", "skin"]
 
 
-class Seen(PageMessage, frozen=True, kw_only=True, tag="seen"):
-    """Acknowledge the slice or volume with that id, so that the next one is sent."""
+class FieldAck(PageMessage, frozen=True, kw_only=True, tag="seen"):
+    """Acknowledge the slice, skin or volume with that id, so that the next one is sent."""
 
     id: Id
 
 
-class Ready(PageMessage, frozen=True, kw_only=True, tag="ready"):
+class BatchAck(PageMessage, frozen=True, kw_only=True, tag="ready"):
     """Acknowledge a `batch`, so that the next values are sent."""
 
 
@@ -145,13 +155,11 @@ class Replay(PageMessage, frozen=True, kw_only=True, tag="replay"):
     speed: Annotated[float, Meta(ge=0.05, le=20.0)] | None = None
 
 
-AnyAsked = (
-    Skin
-    | Slice
-    | Volume
+AnyPageMessage = (
+    FieldRequest
     | Hide
-    | Seen
-    | Ready
+    | FieldAck
+    | BatchAck
     | Select
     | Arm
     | Alive
@@ -308,7 +316,7 @@ class Lost(ServerMessage, frozen=True, kw_only=True, tag="lost"):
     reason: str
 
 
-class Batch(ServerMessage, frozen=True, kw_only=True, tag="batch"):
+class BatchEnd(ServerMessage, frozen=True, kw_only=True, tag="batch"):
     """The end of what was new. The next values are sent once the page has answered `ready`."""
 
 
@@ -327,7 +335,7 @@ class Recording(ServerMessage, frozen=True, kw_only=True, tag="record"):
     file: str = ""
 
 
-class Replayed(ServerMessage, frozen=True, kw_only=True, tag="replay"):
+class PlaybackState(ServerMessage, frozen=True, kw_only=True, tag="replay"):
     """State of the playback. time, duration: [s]."""
 
     time: float
@@ -336,14 +344,14 @@ class Replayed(ServerMessage, frozen=True, kw_only=True, tag="replay"):
     speed: float
 
 
-_asked: msgspec.msgpack.Decoder[AnyAsked] = msgspec.msgpack.Decoder(AnyAsked)
+_decoder: msgspec.msgpack.Decoder[AnyPageMessage] = msgspec.msgpack.Decoder(AnyPageMessage)
 _encoder = msgspec.msgpack.Encoder()
 
 
-def decode_message(data: bytes) -> AnyAsked:
+def decode_message(data: bytes) -> AnyPageMessage:
     """Decode a message from a page. Raises WireError."""
     try:
-        return _asked.decode(data)
+        return _decoder.decode(data)
     except (msgspec.MsgspecError, ValueError, RecursionError, MemoryError) as error:
         raise WireError(str(error)[:300]) from error
 

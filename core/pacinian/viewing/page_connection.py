@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 
 from pacinian.errors import ArgumentError, WireError
 from pacinian.viewing.messages import (
-    Batch,
+    BatchAck,
+    BatchEnd,
+    FieldAck,
     Hide,
-    Ready,
     Record,
-    Seen,
     Skin,
     SkinMessage,
     Slice,
@@ -28,10 +28,10 @@ if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
     from pacinian.viewing.hub import Drive, Hub
-    from pacinian.viewing.messages import ServerMessage
+    from pacinian.viewing.messages import FieldRequest, ServerMessage
     from pacinian.viewing.slices import FieldWorker
 
-BATCH = encode_message(Batch())
+BATCH_END = encode_message(BatchEnd())
 MIN_INTERVAL = 1.0 / 40.0  # minimum interval between slices [s]; frames come 30 times a second
 
 
@@ -71,10 +71,10 @@ class PageConnection:
                 self._windows["volume"].ask(asked)
             case Hide():
                 self._windows[asked.what].ask(None)
-            case Seen():
+            case FieldAck():
                 for window in self._windows.values():
                     window.note_seen(asked.id)
-            case Ready():
+            case BatchAck():
                 self._ready.set()
             case Record():
                 self._hub.record(self._view.number, asked.on)
@@ -99,7 +99,7 @@ class PageConnection:
                     new = True
                 if new:  # a socket takes the values of many seconds before it is full
                     self._ready.clear()
-                    await self._send(BATCH)
+                    await self._send(BATCH_END)
                     await self._ready.wait()
 
     async def _look(self, window: Window) -> None:
@@ -134,15 +134,15 @@ class Window:
 
     def __init__(self, name: str) -> None:
         self.name, self.unseen, self.turn = name, 0, asyncio.Event()
-        self.asked: Slice | Volume | None = None
+        self.asked: FieldRequest | None = None
         self.shown: object = None
 
-    def ask(self, asked: Slice | Volume | None) -> None:
+    def ask(self, asked: FieldRequest | None) -> None:
         """Replace the request; None ends it."""
         self.asked, self.shown = asked, None
         self.turn.set()
 
-    def wants(self, asked: Slice | Volume) -> bool:
+    def wants(self, asked: FieldRequest) -> bool:
         """Whether the request is still the current one."""
         return self.asked is asked
 
@@ -153,7 +153,7 @@ class Window:
             self.turn.set()
 
 
-def _make_answer(asked: Slice | Volume, pressure: bytes, drive: Drive) -> ServerMessage:
+def _make_answer(asked: FieldRequest, pressure: bytes, drive: Drive) -> ServerMessage:
     if isinstance(asked, Skin):
         felt, wanted = pressure[: len(pressure) // 2], pressure[len(pressure) // 2 :]
         return SkinMessage(

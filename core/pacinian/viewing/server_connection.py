@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from pacinian.viewing.hub import Hub
-    from pacinian.viewing.messages import AnyAsked
+    from pacinian.viewing.messages import AnyPageMessage
     from pacinian.wire.connection_file import Connection
 
 log = logging.getLogger(__name__)
@@ -55,7 +55,7 @@ class ServerConnection:
 
     def __init__(self, hub: Hub, loop: AbstractEventLoop, where: Path | str | None) -> None:
         self._hub, self._loop, self._where = hub, loop, where
-        self._inbox: queue.Queue[tuple[int, AnyAsked]] = queue.Queue(MAX_WAITING)
+        self._inbox: queue.Queue[tuple[int, AnyPageMessage]] = queue.Queue(MAX_WAITING)
         self._ended, self._stopping = threading.Event(), threading.Lock()
         self._waiting = (
             threading.Lock()
@@ -65,7 +65,7 @@ class ServerConnection:
         self._armed, self._renewed = False, -math.inf
         self._selected: dict[int, int] = {}  # pages by the id of their selection
         self._lost = ""  # last reported reason
-        self._first: tuple[int, AnyAsked] | None = None
+        self._first: tuple[int, AnyPageMessage] | None = None
         self._demonstration: Demonstration | None = None
         self._demonstrated = 0  # the page that requested it
         self._posted: tuple[SessionMessage, int] | None = None
@@ -83,7 +83,7 @@ class ServerConnection:
             self._demonstration.close()
         self._thread.join()
 
-    def ask(self, page: int, asked: AnyAsked) -> None:
+    def ask(self, page: int, asked: AnyPageMessage) -> None:
         """Queue a request of a page; carry out an emergency stop at once, in its own thread."""
         ends = isinstance(asked, Stop) or (isinstance(asked, Arm) and asked.take)
         if ends and self._demonstration is not None:
@@ -200,7 +200,7 @@ class ServerConnection:
                 raise
         self._tell(client)
 
-    def _do(self, client: Client, page: int, asked: AnyAsked) -> None:
+    def _do(self, client: Client, page: int, asked: AnyPageMessage) -> None:
         match asked:
             case Arm() if asked.scene != self._scene:
                 self._scene, self._first = asked.scene, (page, asked)
@@ -260,11 +260,11 @@ class ServerConnection:
             self._posted = session, self._owner
             self._post(self._hub.set_session, *self._posted)
 
-    def _refuse(self, page: int, asked: AnyAsked, error: Exception) -> None:
+    def _refuse(self, page: int, asked: AnyPageMessage, error: Exception) -> None:
         advice = error.advice if isinstance(error, Refused) else ""
         message = str(error).removesuffix(f"; {advice}")
         self._post(self._hub.refuse, page, _action(asked), message, advice)
 
 
-def _action(asked: AnyAsked) -> str:
+def _action(asked: AnyPageMessage) -> str:
     return str(asked.__struct_config__.tag)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pacinian.acoustics.interpolated_field import InterpolatedField
+from pacinian.acoustics.interpolated_field import RegularGrid
 from pacinian.errors import ArgumentError
 from pacinian.viewing.field_process import FieldProcess, ProcessEnded
 from pacinian.viewing.messages import Skin, Slice, Volume
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian.types import Complexes, Floats, Gains
     from pacinian.viewing.hub import Drive
+    from pacinian.viewing.messages import FieldRequest
     from pacinian.viewing.region_error import Regions
 
 MAX_PAIRS = 5e7  # maximum number of point-transducer pairs per batch: 0.1 s of processor time
@@ -33,11 +34,11 @@ MAX_FIELDS = 16  # maximum number of fields that are computed for one slice
 NEGLIGIBLE = 1e-5  # share of the power of all frames that may be left out
 
 
-def make_grid(asked: Slice | Volume) -> InterpolatedField:
+def make_grid(asked: FieldRequest) -> RegularGrid:
     """Return the grid of the requested points, in the order of the reply."""
     if isinstance(asked, Volume):
         steps = tuple(tuple(row) for row in (asked.spacing * np.eye(3)).tolist())
-        return InterpolatedField(asked.origin, steps, asked.shape)
+        return RegularGrid(asked.origin, steps, asked.shape)
     down, right = (
         length / count * np.array(along)
         for length, count, along in zip(
@@ -46,7 +47,7 @@ def make_grid(asked: Slice | Volume) -> InterpolatedField:
     )
     rows, columns = asked.shape
     first = np.array(asked.centre) - (rows - 1) / 2.0 * down - (columns - 1) / 2.0 * right
-    return InterpolatedField(
+    return RegularGrid(
         tuple(first.tolist()), (tuple(down.tolist()), tuple(right.tolist())), asked.shape
     )
 
@@ -58,10 +59,10 @@ class FieldWorker:
         self._process: FieldProcess | None = None
         self._thread = ThreadPoolExecutor(1, "slices")  # waits for the process
         self._closed = False
-        self._rough: deque[InterpolatedField] = deque(maxlen=16)  # grids too inexact to interpolate
+        self._rough: deque[RegularGrid] = deque(maxlen=16)  # grids too inexact to interpolate
 
     async def pressure(
-        self, asked: Slice | Volume, drive: Drive, wanted: Callable[[], bool]
+        self, asked: FieldRequest, drive: Drive, wanted: Callable[[], bool]
     ) -> bytes | None:
         """Return the radiation pressure or its error, float32 [Pa], in the order of the reply.
 
@@ -69,14 +70,15 @@ class FieldWorker:
         reply is the pressure on regions, then its target. Pressures are NaN on a transducer, errors away from regions.
         Returns None as soon as the result is no longer `wanted`. Raises ArgumentError.
         """
-        where, drive, peak = make_grid(asked), drive.choose_frames(asked), asked.over == "peak"
+        where, drive = make_grid(asked), drive.choose_frames(asked)
         count = math.prod(where.shape)
-        skin = isinstance(asked, Skin)
-        if isinstance(asked, Slice) and (skin or asked.of == "error"):
+        if isinstance(asked, Skin) or (isinstance(asked, Slice) and asked.of == "error"):
+            skin = isinstance(asked, Skin)
             if drive.regions is None or not drive.gains:
                 return np.full((1 + skin) * count, np.nan, np.float32).tobytes()
             across = tuple(np.cross(asked.u, asked.v).tolist())
             return await self._run(compute_on_regions, drive, where, across, drive.regions, skin)
+        peak = asked.over == "peak"
         if not drive.gains:
             self._start()  # the first field after silence would otherwise wait for its imports
             return bytes(4 * count)
@@ -124,7 +126,7 @@ class FieldWorker:
 
 
 def interpolate_pressure(
-    model: bytes, gains: bytes, where: InterpolatedField, peak: bool = False
+    model: bytes, gains: bytes, where: RegularGrid, peak: bool = False
 ) -> bytes:
     """Interpolate the radiation pressure at all points of a grid, float32 [Pa]; empty if that is too inexact.
 
@@ -138,7 +140,7 @@ def interpolate_pressure(
     fields: list[Complexes] = []
     for g in basis:
         with limit_blas_threads():
-            p = where.field(array, g, medium)
+            p = where.interpolate_field(array, g, medium)
         if p is None:
             return b""
         fields.append(p)
@@ -150,7 +152,7 @@ def interpolate_pressure(
 
 
 def compute_pressure(
-    model: bytes, gains: bytes, where: InterpolatedField, begin: int, end: int, peak: bool = False
+    model: bytes, gains: bytes, where: RegularGrid, begin: int, end: int, peak: bool = False
 ) -> bytes:
     """Return the radiation pressure at points `begin` to `end` of a grid, float32 [Pa]. Raises ArgumentError.
 
@@ -181,7 +183,7 @@ def compute_pressure(
 def compute_on_regions(
     model: bytes,
     gains: bytes,
-    where: InterpolatedField,
+    where: RegularGrid,
     across: tuple[float, ...],
     regions: Regions,
     skin: bool,
@@ -235,5 +237,5 @@ def _unpack_model(model: bytes) -> tuple[Array, Air]:
 
 
 @functools.lru_cache(maxsize=2)
-def _points(where: InterpolatedField) -> Floats:
+def _points(where: RegularGrid) -> Floats:
     return where.points.reshape(-1, 3)

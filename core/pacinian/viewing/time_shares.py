@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from pacinian.scene.modulation.envelope import resolve
+from pacinian.scene.modulation.presets import PRESET_PERIODS
 from pacinian.wire import modulation as wire
 from pacinian.wire.convert_modulation import envelope_to_scene, technique_to_scene
 
@@ -34,7 +35,6 @@ MAX_GAP = 0.2  # largest gap, in periods, up to which the frames show the whole 
 CLOSE = 1e-9  # error of a mean that is small enough
 MAX_ROUNDS = 30  # maximum number of corrections of negative shares
 MIN_SINGULAR_VALUE = 1e-6  # singular values below this share of the largest count as zero
-PERIODS = {"impulsive": 0.25, "rapturous": 1.5, "buzzing": 0.004}  # of presets [s]
 
 
 class Modulation(NamedTuple):
@@ -90,7 +90,7 @@ def share_time(
 def find_mean_strength(modulation: Modulation, times: Floats) -> float:
     """Return the mean strength over a period, 0..1; without a period, the mean over these times of the scene [s].
 
-    Returns 1 for a recorded wave, and if it takes times and there are none.
+    Returns 1 for a recorded wave, and if there is no period and no time is given.
     """
     if not modulation.known:
         return 1.0
@@ -171,6 +171,6 @@ def _find_period(envelope: wire.Envelope) -> float | None:
         case wire.Pulse(period=period):
             return period or 0.0
         case wire.Preset(name=name) | str(name):
-            return PERIODS.get(name, 0.0)
+            return PRESET_PERIODS.get(name, 0.0)
         case _:
             return 0.0

@@ -14,7 +14,7 @@ bench_devices.py    `pacinian bench devices`: frame timing at device models
 bench_examples.py   `pacinian bench examples`: other projects' haptic examples
 paper.py            `pacinian paper`: the paper's experiment, figures, forces
 soak.py             `pacinian soak`: a server that runs for long
-stress.py           `pacinian stress`: promises of solvers on hard problems
+stress.py           `pacinian stress`: guarantees of solvers on hard problems
 study.py            `pacinian study`: layouts, planes, patterns, solvers in all combinations
 shared.py           what they share: the option --units, tables, the check for matplotlib, the folder of results
 """

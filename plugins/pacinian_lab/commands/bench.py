@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
-from pacinian.cli.finite_range import FiniteRange
+from pacinian.cli.options import FiniteRange
 from pacinian_lab.commands.bench_batches import batches
 from pacinian_lab.commands.bench_bus import bus
 from pacinian_lab.commands.bench_devices import devices

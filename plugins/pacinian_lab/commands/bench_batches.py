@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from pacinian.cli.finite_range import FiniteRange
+from pacinian.cli.options import FiniteRange
 
 if TYPE_CHECKING:
     from pacinian_lab.solvers.batches import Row

@@ -7,7 +7,7 @@ from dataclasses import asdict
 
 import click
 
-from pacinian.cli.finite_range import FiniteRange
+from pacinian.cli.options import FiniteRange
 
 
 @click.command()

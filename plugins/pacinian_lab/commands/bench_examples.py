@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from pacinian.cli.finite_range import FiniteRange
+from pacinian.cli.options import FiniteRange
 from pacinian_lab.commands.shared import print_tables
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from pacinian.cli.finite_range import FiniteRange
+from pacinian.cli.options import FiniteRange
 from pacinian_lab.commands.shared import make_folder, print_tables, require_matplotlib, units
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from pacinian.cli.finite_range import FiniteRange
+from pacinian.cli.options import FiniteRange
 from pacinian_lab.commands.shared import units
 
 if TYPE_CHECKING:

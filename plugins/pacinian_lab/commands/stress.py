@@ -1,4 +1,4 @@
-"""`pacinian stress`: check that every solver keeps its promises on hard problems."""
+"""`pacinian stress`: check that every solver keeps its guarantees on hard problems."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ if TYPE_CHECKING:
     from pacinian_lab.stress.run import Row
 
 MOVES = (10_000, 100_000)  # moves of single points, in a quick and in a full run
-MAX_LISTED = 10  # number of broken promises printed in full
-COLUMNS = {"family": 10, "solver": 14, "promises": 14, "excess": 8, "residual": 8}
+MAX_LISTED = 10  # number of broken guarantees printed in full
+COLUMNS = {"family": 10, "solver": 14, "guarantees": 14, "excess": 8, "residual": 8}
 NOTE = (
     "excess: the largest |g| minus the limit. residual: largest ratio to the best possible residual,"
-    " within the precision of B; blank where none is promised."
+    " within the precision of B; blank where none is guaranteed."
 )
 
 
@@ -31,10 +31,10 @@ NOTE = (
 def stress(solvers: str, quick: bool, as_json: bool) -> None:
     """Check every solver on hard problems.
 
-    Checks its promises and shows the worst evidence. The problems have coincident points, points on and behind
+    Checks its guarantees and shows the worst evidence. The problems have coincident points, points on and behind
     transducers, arrays of low rank, condition numbers up to 1e16, targets from 1e-30 to 1e30 Pa, limits of every kind,
-    and endless moves. docs/stability.md lists the promises. Every solver, also of other plug-ins, must return finite
-    gains within the limits. Exit code 1 if a promise is broken.
+    and endless moves. docs/stability.md lists the guarantees. Every solver, also of other plug-ins, must return finite
+    gains within the limits. Exit code 1 if a guarantee is broken.
     """
     from pacinian.argument_checks import check_names
     from pacinian.errors import ArgumentError
@@ -99,8 +99,8 @@ def _print(table: Sequence[Row], broken: Sequence[Evidence]) -> None:
     console.print(shown)
     console.print(NOTE, highlight=False, markup=False)
     for e in broken[:MAX_LISTED]:
-        for promise, figure in e.broken.items():
-            console.print(f"\n{e.solver} breaks {promise!r}: {figure}", style="red", markup=False)
+        for guarantee, figure in e.broken.items():
+            console.print(f"\n{e.solver} breaks {guarantee!r}: {figure}", style="red", markup=False)
             again = f'pacinian_lab.stress.cases.find("{e.case}").solve("{e.solver}")'
             console.print(again, highlight=False, markup=False, soft_wrap=True)
     if len(broken) > MAX_LISTED:
@@ -114,12 +114,12 @@ def _figure(value: float) -> str:
 def _plain(table: Sequence[Row], broken: Sequence[Evidence], quick: bool) -> dict[str, Any]:
     """Return the run for JSON, with null for values that are not finite."""
     from pacinian_lab.solvers.report import replace_non_finite
-    from pacinian_lab.stress import promises
+    from pacinian_lab.stress import guarantees
 
     summaries = [{**asdict(row), "broken": len(row.broken)} for row in table]
     return {
         "quick": quick,
-        "promises": {**promises.EVERY, **promises.OURS, **promises.PROPAGATOR},
+        "guarantees": {**guarantees.EVERY, **guarantees.OURS, **guarantees.PROPAGATOR},
         "rows": [replace_non_finite(row) for row in summaries],
         "broken": [replace_non_finite(asdict(e)) for e in broken],
     }

@@ -8,6 +8,5 @@ savings.py     ticks with and without a skip, in turn
 skips.py       which work can be skipped, and how each skip is disabled
 growth.py      time by number of objects
 audibility.py  audible noise of moving scenes, with and without smoothing
-onsets.py      audible noise of objects that appear, vanish, hop, vibrate
 pictures.py    a picture of each scene
 """

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian import gallery
+from pacinian.acoustics.audibility import compute_envelope, measure_audible
 from pacinian.plugins.registry import backend
-from pacinian.rendering.audibility import compute_envelope, measure_audible
 from pacinian.rendering.renderer import Renderer
 from pacinian.rendering.smoothing import Smoothing
 from pacinian.scene.objects import Point
@@ -111,4 +111,4 @@ def _heard(
         np.concatenate([FOCUS, EARS]),
         renderer.session.medium,
     )
-    return measure_audible(e, rate, weighted=True)
+    return measure_audible(e, rate)

@@ -36,7 +36,7 @@ RATE = 1000.0  # [Hz] of the device, and of the ticks if the loop can hold it
 SLOWER = (2, 3, 4, 5, 8, 10, 20)  # frames per tick, tried in turn
 # the rate counts as held up to this share of late ticks above the dummy loop's
 MAX_LATE_SHARE = 0.005
-SPARE = 2.0  # [s] of updates made in advance beyond both loops' time
+SPARE = 2.0  # delay of the loop that the scenes made in advance allow [s]
 EVALUATED_TICKS = 20  # ticks per run whose errors are evaluated
 NO_BUDGET = 100_000  # samples; in effect, no budget
 
@@ -47,11 +47,11 @@ class Row:
 
     p50_ms, p99_ms: of the ticks at 1 kHz. late: fraction of ticks that ended after the next tick was due; dummy_late:
     of a dummy loop in the same run. rate: highest rate held [Hz], 0 for none: p99 within a tick, and at most half a
-    percentage point more late ticks than the dummy loop. solves: per second [1/s]. lag_ms: time since the moment that a
-    tick's frame was solved for, median [ms]; negative while it lies ahead. samples: median. stages: mean time per tick
-    [ms]. error_at_samples: ||(|p| - t)|| / ||t|| of the sound pressures that press on the samples, median. felt: force,
-    rms, holes and spill over all skin that regions touch, medians of the evaluated ticks with contact; None if there
-    are none. left_out: fraction of the scene's force that was not requested from the array.
+    percentage point more late ticks than the dummy loop. solves: per second [1/s]. lag_ms: time of a tick minus the
+    moment for which its solution was made, median [ms]; negative if that lies ahead. samples: median. stages: mean time
+    per tick [ms]. error_at_samples: ||(|p| - t)|| / ||t|| of the sound pressures that press on the samples, median.
+    felt: force, rms, holes and spill over all skin that regions touch, medians of the evaluated ticks with contact;
+    None if there are none. left_out: fraction of the scene's force that was not requested from the array.
     """
 
     scene: str
@@ -73,8 +73,8 @@ class Row:
 class EvaluatedTick:
     """Input and output of a tick, at time t [s] of the scene.
 
-    sounding: gains of the frames that the device plays in turn, (K, N); their mean counts. lag: time since the
-    moment that they were solved for [s].
+    sounding: gains of the frames that the device plays in turn, (K, N); their mean counts. lag: t minus the moment for
+    which they were solved [s].
     """
 
     t: float
@@ -105,16 +105,17 @@ class EvaluatedTick:
 
 
 class Run:
-    """A scene on a renderer, alternating with a dummy loop, for `seconds` [s]. Evaluates some of the ticks.
+    """A scene on a renderer, which alternates with a dummy loop, for `seconds` [s].
 
-    Updates are made in advance, as a tracker's or a game's thread would do, so that a tick does not include them
-    unless the loop is late by more than SPARE. rate: of the ticks [Hz].
+    Scenes are computed before the run, so ticks do not pay for them (for delays of up to SPARE). rate: of the ticks
+    [Hz]. After `execute`, `report` is the renderer's, and `dummy` that of the dummy loop.
     """
 
     def __init__(
         self, array: Array, scene: Callable[[float], Scene], seconds: float, rate: float = RATE
     ) -> None:
         self.evaluated: list[EvaluatedTick] = []
+        self._seconds = seconds
 
         @functools.cache
         def at(update: int) -> Scene:
@@ -128,8 +129,11 @@ class Run:
         self.renderer = Renderer(array, self._at, backend=device, rate=rate)
         # ticks from one evaluated tick to the next
         self._gap = max(1, round(seconds * rate / EVALUATED_TICKS))
+
+    def execute(self) -> None:
+        """Run both loops, and keep the data of some ticks. Raises KeyboardInterrupt, and the error of a failed tick."""
         with self.renderer as renderer:
-            self.dummy = alternate(renderer, seconds, self._keep_tick)
+            self.dummy = alternate(renderer, self._seconds, self._keep_tick)
             self.report = renderer.report
         if self.report.interrupted:
             raise KeyboardInterrupt
@@ -197,10 +201,13 @@ def measure(array: Array, name: str, seconds: float) -> Row:
 
     Raises KeyboardInterrupt, and the error of a failed tick.
     """
-    row = Run(array, SCENES[name], seconds).row(name)
+    run = Run(array, SCENES[name], seconds)
+    run.execute()
+    row = run.row(name)
     for frames in SLOWER:
         if row.rate:
             break
         slower = Run(array, SCENES[name], seconds, RATE / frames)
+        slower.execute()
         row = replace(row, rate=RATE / frames if slower.held else 0.0)
     return row

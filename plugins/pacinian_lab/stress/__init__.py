@@ -1,10 +1,10 @@
-"""Test numerical stability: hard problems, the promises of every solver, and whether the solver keeps them.
+"""Test numerical stability: hard problems, the guarantees of every solver, and whether the solver keeps them.
 
 run.py                       every problem with every solver; the propagator through many moves
-promises.py                  what each solver promises, with tolerances
-check.py                     does a solver keep its promises on a problem?
-answer_checks.py             promises of every answer: limits, reported error, bound
-region_checks.py             promises about regions, by brute force
+guarantees.py                what each solver guarantees, with tolerances
+check.py                     does a solver keep its guarantees on a problem?
+answer_checks.py             guarantees of every answer: limits, reported error, bound
+region_checks.py             guarantees about regions, by brute force
 reference.py                 the smallest residual, without a solver
 case.py                      one hard problem
 cases.py                     all of them

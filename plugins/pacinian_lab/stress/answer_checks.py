@@ -1,4 +1,4 @@
-"""Measure the promises of every answer (`promises.EVERY`) on one answer."""
+"""Measure the guarantees of every answer (`guarantees.EVERY`) on one answer."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from pacinian.acoustics.propagation import matrix
 from pacinian.solving.solution_status import Status
-from pacinian_lab.stress.promises import (
+from pacinian_lab.stress.guarantees import (
     MAX_WORK,
     TOLERANCE_MET,
     TOLERANCE_PROVEN,
@@ -36,10 +36,10 @@ def measure_excess(case: Case, solution: Solution) -> float:
     return float(np.sqrt(g.real**2 + g.imag**2).max() - case.limits.gain)
 
 
-def find_broken_promises(
+def find_broken_guarantees(
     case: Case, solution: Solution, seconds: float
 ) -> Iterator[tuple[str, str]]:
-    """Yield each broken promise and its figure. seconds: run time [s]."""
+    """Yield each broken guarantee and its figure. seconds: run time [s]."""
     g, limits = solution.gains.astype(np.complex128), case.limits
     figures = [solution.error, solution.shape_error, np.abs(solution.residual).max(initial=0.0)]
     if not (np.isfinite(g).all() and np.isfinite(figures).all()) or np.isinf(solution.gap):

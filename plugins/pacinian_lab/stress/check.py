@@ -1,4 +1,4 @@
-"""Check whether one solver keeps its promises on one problem."""
+"""Check whether one solver keeps its guarantees on one problem."""
 
 from __future__ import annotations
 
@@ -11,24 +11,24 @@ import numpy as np
 
 from pacinian.errors import UnsupportedLimit
 from pacinian.solving.solution_status import Status
-from pacinian_lab.stress.answer_checks import find_broken_promises, measure_excess
+from pacinian_lab.stress.answer_checks import find_broken_guarantees, measure_excess
 from pacinian_lab.stress.case import DEFAULT_DEADLINE
-from pacinian_lab.stress.promises import SILENCE, get_promise
+from pacinian_lab.stress.guarantees import SILENCE, get_guarantee
 from pacinian_lab.stress.reference import CLOSED, Reference
 
 if TYPE_CHECKING:
     from pacinian.plugins.solver import Solver
     from pacinian.solving.solution import Solution
     from pacinian_lab.stress.case import Case
-    from pacinian_lab.stress.promises import Near, Promise
+    from pacinian_lab.stress.guarantees import Guarantee, Near
 
 
 @dataclass(frozen=True)
 class Evidence:
     """The behaviour of one solver on one problem.
 
-    broken: broken promises, from name to figure. excess: the largest |g_n| - limits.gain. ratio: the residual over
-    what `Near` allows with a factor of 1; NaN if not promised. seconds: run time [s].
+    broken: broken guarantees, from name to figure. excess: the largest |g_n| - limits.gain. ratio: the residual over
+    what `Near` allows with a factor of 1; NaN if not guaranteed. seconds: run time [s].
     """
 
     case: str
@@ -40,7 +40,7 @@ class Evidence:
 
 
 def check(case: Case, solver: Solver) -> Evidence:
-    """Solve `case` and check the answer against the promises."""
+    """Solve `case` and check the answer against the guarantees."""
     name = solver.name
     begin = case.clock()
     try:
@@ -57,20 +57,20 @@ def check(case: Case, solver: Solver) -> Evidence:
     seconds = case.clock() - begin
     if case.refused is not None:
         return Evidence(case.name, name, {"raises": f"no {case.refused.__name__}"})
-    broken = dict(find_broken_promises(case, solution, seconds))
-    promise = get_promise(name)
+    broken = dict(find_broken_guarantees(case, solution, seconds))
+    guarantee = get_guarantee(name)
     ratio = math.nan
-    if len(case.points) <= promise.samples:
-        if promise.answers and (missing := _check_answer(case, promise, solution, seconds)):
+    if len(case.points) <= guarantee.samples:
+        if guarantee.answers and (missing := _check_answer(case, guarantee, solution, seconds)):
             broken["answers"] = missing
-        if promise.near and not broken and _is_comparable(case, promise.near, solution):
-            ratio = compute_ratio(case, promise.near, solution)
-            if ratio > promise.near.factor:
-                broken["near"] = f"{ratio:.3g} > {promise.near.factor:g}"
+        if guarantee.near and not broken and _is_comparable(case, guarantee.near, solution):
+            ratio = compute_ratio(case, guarantee.near, solution)
+            if ratio > guarantee.near.factor:
+                broken["near"] = f"{ratio:.3g} > {guarantee.near.factor:g}"
     return Evidence(case.name, name, broken, measure_excess(case, solution), ratio, seconds)
 
 
-def _check_answer(case: Case, promise: Promise, solution: Solution, seconds: float) -> str:
+def _check_answer(case: Case, guarantee: Guarantee, solution: Solution, seconds: float) -> str:
     if solution.status is Status.failed:
         return "failed"
     if case.deadline >= DEFAULT_DEADLINE and seconds >= case.deadline * (1 + len(case.history)):
@@ -78,7 +78,7 @@ def _check_answer(case: Case, promise: Promise, solution: Solution, seconds: flo
     reached = (np.abs(case.B) > case.rounding).any(axis=1) & (case.targets.amplitudes > 0.0)
     if solution.gains.any() or not reached.any():
         return ""
-    ratio = compute_ratio(case, promise.near or SILENCE, solution)  # is silence near the best?
+    ratio = compute_ratio(case, guarantee.near or SILENCE, solution)  # is silence near the best?
     return f"all gains are zero: {ratio:.3g}" if ratio > SILENCE.factor else ""
 
 
@@ -91,8 +91,8 @@ def _is_comparable(case: Case, near: Near, solution: Solution) -> bool:
     return bool(plain and phases and done and case.targets.amplitudes.any())
 
 
-def compute_ratio(case: Case, promised: Near, solution: Solution) -> float:
-    """Return the residual over what `promised` allows with a factor of 1, for the solver's phases."""
+def compute_ratio(case: Case, guaranteed: Near, solution: Solution) -> float:
+    """Return the residual over what `guaranteed` allows with a factor of 1, for the solver's phases."""
     weights = np.sqrt(solution.weights)
     p = weights * case.ask(solution)
     scale = float(np.abs(p).max())  # keeps squares from underflow and overflow
@@ -102,13 +102,13 @@ def compute_ratio(case: Case, promised: Near, solution: Solution) -> float:
         B = weights[:, None] * B
         reference = Reference.of(B)
     made = B @ g
-    if not promised.limited and (power := float(np.vdot(made, made).real)):
+    if not guaranteed.limited and (power := float(np.vdot(made, made).real)):
         made *= max(0.0, float(np.vdot(made, p).real) / power)
-    mu, enough = promised.mu, 0.0
+    mu, enough = guaranteed.mu, 0.0
     if case.targets.regions is not None:
-        mu, enough = promised.mu_regions, promised.enough
+        mu, enough = guaranteed.mu_regions, guaranteed.enough
     mu *= float(np.linalg.norm(case.B)) ** 2 / len(case.B)
-    limited = promised.limited and case.limits.gain is not None
+    limited = guaranteed.limited and case.limits.gain is not None
     limit = (case.limits.gain or 0.0) / scale if limited else math.inf
     best = reference.best(p, mu, case.blur**2, limit, g)
     if limited:

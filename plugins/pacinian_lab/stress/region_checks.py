@@ -1,4 +1,4 @@
-"""Check the promises about regions independently of the session: by brute force, in double precision."""
+"""Check the guarantees about regions independently of the session: by brute force, in double precision."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from pacinian.acoustics.propagation import matrix
 from pacinian.solving.region_phases import joint_phases
 from pacinian.solving.solution_status import Status
-from pacinian_lab.stress.promises import (
+from pacinian_lab.stress.guarantees import (
     MAX_RMS,
     MIN_FILLED,
     TOLERANCE_FORCE,
@@ -30,7 +30,7 @@ ON = 2e-5  # [m]; places closer than this to a transducer are skipped
 
 
 def find_split_regions(case: Case, solution: Solution, g: Complexes) -> Iterator[tuple[str, str]]:
-    """Yield the broken ones of the promises `together` and `even`, with figures."""
+    """Yield the broken ones of the guarantees `together` and `even`, with figures."""
     if case.targets.regions is None or not case.targets.norm:
         return
     yield from _together(case, solution)

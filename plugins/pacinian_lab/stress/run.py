@@ -13,22 +13,22 @@ from pacinian.acoustics.air import Air
 from pacinian.plugins import registry
 from pacinian.solving.propagator import Propagator
 from pacinian_lab.stress.check import Evidence, check
+from pacinian_lab.stress.guarantees import TOLERANCE_GRAM, get_guarantee
 from pacinian_lab.stress.problem_parts import SMALL_ARRAY, scatter_points
-from pacinian_lab.stress.promises import TOLERANCE_GRAM, get_promise
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from pacinian_lab.stress.case import Case
 
-HURRY = 0.03  # [s] deadline for solvers that promise nothing about the optimum
+HURRY = 0.03  # [s] deadline for solvers that guarantee nothing about the optimum
 MOVED = 8  # number of points that `drift` moves
 COMPARISONS = 20  # number of comparisons with a new propagator
 
 
 @dataclass(frozen=True)
 class Row:
-    """One family and one solver: number of problems, broken promises, and the worst of the evidence."""
+    """One family and one solver: number of problems, broken guarantees, and the worst of the evidence."""
 
     family: str
     solver: str
@@ -53,8 +53,8 @@ def run(
 ) -> list[Evidence]:
     """Return evidence of each solver on each problem. Raises UnknownPlugin.
 
-    advance: called with the name of the next task. Solvers that promise nothing about the optimum get only `HURRY`
-    seconds per problem, because their other promises hold whenever they stop.
+    advance: called with the name of the next task. Solvers that guarantee nothing about the optimum get only `HURRY`
+    seconds per problem, because their other guarantees hold whenever they stop.
     """
     made = [registry.solver(name) for name in names]
     found: list[Evidence] = []
@@ -62,7 +62,7 @@ def run(
         hurried = replace(case, deadline=min(case.deadline, HURRY))
         for solver in made:
             advance(f"{solver.name}, {case.name}")
-            found.append(check(case if get_promise(solver.name).near else hurried, solver))
+            found.append(check(case if get_guarantee(solver.name).near else hurried, solver))
     return found
 
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.acoustics import interpolated_field
-from pacinian.acoustics.interpolated_field import InterpolatedField
+from pacinian.acoustics.interpolated_field import RegularGrid
 
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats
@@ -23,7 +23,7 @@ LIVE = pc.Array(
     UNIT.positions, UNIT.normals, pc.IDEAL, np.exp(1j * np.linspace(0.0, 6.0, len(UNIT)))
 )
 AIRS = pc.Air(), pc.Air(attenuation="absorbing", temperature=40.0)
-PLANE = InterpolatedField((-0.1, 0.0, 0.1), ((0.002, 0.0, 0.0), (0.0, 0.0, 0.002)), (100, 100))
+PLANE = RegularGrid((-0.1, 0.0, 0.1), ((0.002, 0.0, 0.0), (0.0, 0.0, 0.002)), (100, 100))
 
 
 def focused(array: pc.Array, point: Any) -> Complexes:
@@ -31,14 +31,12 @@ def focused(array: pc.Array, point: Any) -> Complexes:
     return np.asarray(np.exp(-1j * phases))
 
 
-def plane(centre: Any, turn: Any, side: float, count: int) -> InterpolatedField:
+def plane(centre: Any, turn: Any, side: float, count: int) -> RegularGrid:
     """A square slice with any orientation."""
     axes = np.linalg.qr(np.array(turn).reshape(3, 3) + np.eye(3))[0]
     steps = axes[:2] * side / (count - 1)
     first = np.array(centre) - (count - 1) / 2.0 * steps.sum(axis=0)
-    return InterpolatedField(
-        tuple(first.tolist()), tuple(map(tuple, steps.tolist())), (count, count)
-    )
+    return RegularGrid(tuple(first.tolist()), tuple(map(tuple, steps.tolist())), (count, count))
 
 
 def squares(p: Any) -> Floats:
@@ -65,7 +63,7 @@ def test_what_is_interpolated_is_the_field_within_two_thousandths(
     turned = np.linspace(0.0, 900.0, len(array)) ** 2
     g = np.exp(1j * turned) if focus is None else focused(array, np.array(focus))
     where = plane(centre, turn, side, 70)
-    found = where.field(array, g, air)
+    found = where.interpolate_field(array, g, air)
     if found is not None:
         wanted = squares(pc.field(array, g, where.points, air))
         assert found.shape == wanted.shape
@@ -84,10 +82,8 @@ def test_a_slice_through_a_focus_takes_less_than_half_of_the_points(
 
     monkeypatch.setattr(interpolated_field, "field", counts)
     g = focused(array, (0.0, 0.0, 0.3))
-    where = InterpolatedField(
-        (-0.1, 0.0, 0.2), ((0.0016, 0.0, 0.0), (0.0, 0.0, 0.0016)), (126, 126)
-    )
-    found = where.field(array, g, pc.Air())
+    where = RegularGrid((-0.1, 0.0, 0.2), ((0.0016, 0.0, 0.0), (0.0, 0.0, 0.0016)), (126, 126))
+    found = where.interpolate_field(array, g, pc.Air())
     assert found is not None
     assert sum(counted) < 126 * 126 / 2
     wanted = squares(pc.field(array, g, where.points, medium=pc.Air()))
@@ -98,9 +94,9 @@ def test_a_volume_and_a_line_are_grids_too() -> None:
     g = focused(UNIT, (0.0, 0.0, 0.2))
     steps = (0.0004, 0.0, 0.0), (0.0, 0.0004, 0.0), (0.0, 0.0, 0.0004)
     for axes in (1, 3):
-        where = InterpolatedField((-0.01, -0.01, 0.19), steps[:axes], (60,) * axes)
+        where = RegularGrid((-0.01, -0.01, 0.19), steps[:axes], (60,) * axes)
         assert where.points.shape == (60,) * axes + (3,)
-        found = where.field(UNIT, g, pc.Air())
+        found = where.interpolate_field(UNIT, g, pc.Air())
         assert found is not None
         wanted = squares(pc.field(UNIT, g, where.points, medium=pc.Air()))
         assert np.abs(squares(found) - wanted).max() < 2e-3 * wanted.max()
@@ -109,18 +105,18 @@ def test_a_volume_and_a_line_are_grids_too() -> None:
 def test_detail_that_the_nodes_miss_is_noticed() -> None:
     g = np.ones(len(UNIT))
     beside = UNIT.positions[100] + (0.0, 0.0, 0.001)
-    assert plane(beside, [0.0] * 9, 0.2, 128).field(UNIT, g, pc.Air()) is None
+    assert plane(beside, [0.0] * 9, 0.2, 128).interpolate_field(UNIT, g, pc.Air()) is None
     on = plane(UNIT.positions[100], [0.0] * 9, 0.2, 128)
-    assert on.field(UNIT, g, pc.Air()) is None
+    assert on.interpolate_field(UNIT, g, pc.Air()) is None
     piston = pc.Array(UNIT.positions, UNIT.normals, pc.T4010A1)
     edge = PLANE.points[:, :, 2].min() - 0.15  # sound ends behind the array
-    behind = InterpolatedField((-0.1, 0.3, edge), PLANE.steps, PLANE.shape)
-    assert behind.field(piston, g, pc.Air()) is None
+    behind = RegularGrid((-0.1, 0.3, edge), PLANE.steps, PLANE.shape)
+    assert behind.interpolate_field(piston, g, pc.Air()) is None
 
 
 def test_few_points_and_silence_are_not_worth_it() -> None:
-    few = InterpolatedField((0.0, 0.0, 0.1), PLANE.steps, (20, 20))
-    assert few.field(UNIT, np.ones(len(UNIT)), pc.Air()) is None
-    assert PLANE.field(UNIT, np.zeros(len(UNIT)), pc.Air()) is None
+    few = RegularGrid((0.0, 0.0, 0.1), PLANE.steps, (20, 20))
+    assert few.interpolate_field(UNIT, np.ones(len(UNIT)), pc.Air()) is None
+    assert PLANE.interpolate_field(UNIT, np.zeros(len(UNIT)), pc.Air()) is None
     with pytest.raises(pc.ArgumentError, match="gains"):
-        PLANE.field(UNIT, np.ones(3), pc.Air())
+        PLANE.interpolate_field(UNIT, np.ones(3), pc.Air())

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import pacinian as pc
-from pacinian.acoustics.uncertainty import warm
+from pacinian.acoustics.uncertainty import heat
 
 CHANCE = np.random.default_rng(8)
 N, M = 40, 4
@@ -116,12 +116,12 @@ def test_a_surface_is_steadier_than_its_points() -> None:
 @pytest.mark.parametrize("by", [-10.0, 0.0, 7.0])
 def test_warm_air_is_air_of_that_temperature(by: float) -> None:
     for how in ({}, {"attenuation": "absorbing"}, {"humidity": 0.9}):
-        made = warm(pc.Air(temperature=20.0, **how), by)  # type: ignore[arg-type]
+        made = heat(pc.Air(temperature=20.0, **how), by)  # type: ignore[arg-type]
         exact = pc.Air(temperature=20.0 + by, **how)  # type: ignore[arg-type]
         assert made.speed_of_sound == pytest.approx(exact.speed_of_sound, rel=1e-12)
         assert made.density == pytest.approx(exact.density, rel=1e-12)
         assert made.beta(40e3) == pytest.approx(exact.beta(40e3), rel=1e-12)
-    given = warm(pc.Air(speed_of_sound=340.0, density=1.2), by)
+    given = heat(pc.Air(speed_of_sound=340.0, density=1.2), by)
     assert given.speed_of_sound == pytest.approx(340.0 * math.sqrt(1.0 + by / 295.15), rel=2e-3)
 
 

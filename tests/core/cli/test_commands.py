@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, cast
 
 import click
+import jsonschema
 import msgpack
 import numpy as np
 import pytest
@@ -169,17 +170,15 @@ def test_render_takes_a_file_and_draws_and_records(tmp_path: Path) -> None:
     assert told("replay", str(record))["frames"] == 100
     said = "100 frames of 2241 transducers played on simulated"
     assert said in run("replay", str(record)).stdout
-    again = told("replay", str(record), "--again")
+    again = told("rerender", str(record))
     assert again == {
         "recording": str(record), "ticks": 100, "different": 0,
         "environment": [], "array": [], "objects": {},
     }  # fmt: skip
-    assert (
-        "100 ticks rendered again, 0 frames differ" in run("replay", str(record), "--again").stdout
-    )
+    assert "100 ticks rendered again, 0 frames differ" in run("rerender", str(record)).stdout
     record.write_bytes(record.read_bytes()[:200])
-    for options in ((), ("--again",)):
-        assert isinstance(run("replay", str(record), *options).exception, pc.RecordingError)
+    for command in ("replay", "rerender"):
+        assert isinstance(run(command, str(record)).exception, pc.RecordingError)
 
 
 def test_strict_ends_with_1_unless_all_was_as_asked(tmp_path: Path) -> None:
@@ -201,7 +200,7 @@ def test_strict_ends_with_1_unless_all_was_as_asked(tmp_path: Path) -> None:
     assert "not as asked: plate" in run("render", str(scene), "--seconds", "0.05").stdout
 
 
-def test_replay_again_ends_with_1_where_a_frame_differs(tmp_path: Path) -> None:
+def test_rerender_ends_with_1_where_a_frame_differs(tmp_path: Path) -> None:
     record = tmp_path / "run.pac"
     ticks = told("render", str(EXAMPLE), "--seconds", "0.05", "--record", str(record))["ticks"]
     unpacker = msgpack.Unpacker(strict_map_key=False)
@@ -210,7 +209,7 @@ def test_replay_again_ends_with_1_where_a_frame_differs(tmp_path: Path) -> None:
     last = [values for values in maps if "phase" in values][-1]
     last["phase"] = bytes(len(last["phase"]))
     record.write_bytes(b"".join(map(msgpack.packb, maps)))
-    seen = told("replay", str(record), "--again", code=1)
+    seen = told("rerender", str(record), code=1)
     assert seen["ticks"] == ticks
     assert seen["different"] >= 1
 
@@ -374,7 +373,7 @@ def test_a_solver_that_ends_a_rendering_again_is_an_error(
     record = tmp_path / "run.pac"
     assert not run("render", str(EXAMPLE), "--seconds", "0.01", "--record", str(record)).exception
     monkeypatch.setattr("pacinian.session.Session.solve", lambda *_, **__: sys.exit(0))
-    error = run("replay", str(record), "--again").exception
+    error = run("rerender", str(record)).exception
     assert isinstance(error, pc.PluginError)
     assert "SystemExit" in str(error)
 
@@ -426,7 +425,7 @@ def test_a_bad_scene_file_is_an_error_with_the_key(
         ("demo", "--solver", "magic"),
         ("replay", "none"),
         ("demo", "--seconds", "-1"),
-        ("replay", "any.pac", "--again", "--backend", "simulated"),  # no frames are played
+        ("rerender", "any.pac", "--backend", "simulated"),  # no frames are played
         ("nonsense",),
     ],
 )
@@ -507,7 +506,7 @@ EMPTY: list[tuple[str, ...]] = [
         for option in ("--record", "--out", "--solver", "--backend")
     ],
     *[("serve", option, "") for option in ("--connection", "--keys", "--solver", "--host")],
-    *[(name, "") for name in ("render", "replay", "view", "serve", "unity")],
+    *[(name, "") for name in ("render", "replay", "rerender", "view", "serve", "unity")],
     ("keys", "server", "--folder", ""),
     ("keys", "client", "one", "--folder", "keys", "--host", ""),
     ("devices", "check", ""),
@@ -545,9 +544,10 @@ def test_a_name_that_the_output_cannot_encode_is_printed_with_replacements(tmp_p
     assert b"?" in done.stdout
 
 
-def test_schema_is_the_one_in_the_docs() -> None:
-    published = Path(__file__).parents[3] / "docs" / "scene.schema.json"
-    assert run("schema").stdout.rstrip() == published.read_text().rstrip(), "run `pacinian schema`"
+def test_schema_prints_a_schema_that_accepts_a_scene_file() -> None:
+    schema = json.loads(run("schema").stdout)
+    jsonschema.Draft202012Validator.check_schema(schema)
+    jsonschema.validate(tomllib.loads(EXAMPLE.read_text("utf-8")), schema)
 
 
 def test_every_command_explains_itself() -> None:
@@ -601,7 +601,7 @@ def test_a_signal_ends_a_run_in_silence_with_its_summary_and_a_whole_recording(
     assert seen["interrupted"]
     frames = len(list(pc.Recording(record)))
     assert seen["frames_sent"] - frames in (0, 1)  # one frame may have been in transit
-    again = told("replay", str(record), "--again")  # in this process, from the other's recording
+    again = told("rerender", str(record))  # in this process, from the other's recording
     assert again["different"] == 0
     assert again["ticks"] > 1
 

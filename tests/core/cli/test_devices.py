@@ -17,7 +17,7 @@ from click.testing import CliRunner
 from PIL import Image
 
 import pacinian as pc
-from pacinian.cli import device_findings, devices
+from pacinian.cli import device_check_rules, devices
 from pacinian.cli.main import cli
 from pacinian.cli.udev import make_rules
 from pacinian.devices.board import Board
@@ -172,7 +172,7 @@ def test_what_cannot_be_looked_for_is_a_row_with_its_fix_and_no_failure(plugins:
 def test_boards_are_not_missed_where_nobody_could_look(plugins: Any) -> None:
     blind = pc.FoundDevice("mine", "", "", "install libusb")
     for boards in ([pc.Board("A")], [pc.Board()]):
-        (found,) = device_findings.check_connected(
+        (found,) = device_check_rules.check_connected(
             described(boards=boards, backend="mine"), [blind]
         )
         assert (found.level, found.text, found.fix) == (
@@ -218,23 +218,23 @@ def levels(findings: Iterable[Any]) -> dict[str, str]:
 
 
 def test_a_sound_description_has_no_problem() -> None:
-    assert set(levels(device_findings.check_description(described())).values()) == {"ok"}
+    assert set(levels(device_check_rules.check_description(described())).values()) == {"ok"}
 
 
 def test_boards_that_overlap_are_named() -> None:
     near = pc.Board("B", pose=pc.Pose((0.0, 0.004, 0.0)))
-    found = device_findings.check_description(described(boards=[pc.Board("A"), near]))
+    found = device_check_rules.check_description(described(boards=[pc.Board("A"), near]))
     (problem,) = (f for f in found if f.level == "problem")
     assert re.search(r"overlap, 4\.0 mm apart, on board A and board B", problem.text)
     opposite = pc.Board("B", pose=pc.Pose((0.0, 0.0, 0.2), (1.0, 0.0, 0.0, 0.0)))
     assert (
-        levels(device_findings.check_description(described(boards=[pc.Board("A"), opposite])))[
+        levels(device_check_rules.check_description(described(boards=[pc.Board("A"), opposite])))[
             "places"
         ]
         == "ok"
     )
     tight = pc.Board("A", Grid(4, 4, 0.005))
-    found = device_findings.check_description(described(boards=[tight]))
+    found = device_check_rules.check_description(described(boards=[tight]))
     assert "on board A" in next(f.text for f in found if f.level == "problem")
 
 
@@ -242,20 +242,24 @@ def test_dead_and_odd_channels_are_counted() -> None:
     gain = np.ones(249)
     gain[[3, 4]] = 0.2, 3.0
     one = pc.Board("A", dead=(7, 9), gain=tuple(gain.tolist()))
-    found = {f.name: f for f in device_findings.check_description(described(boards=[one]))}[
+    found = {f.name: f for f in device_check_rules.check_description(described(boards=[one]))}[
         "board A"
     ]
     assert found.level == "warning"
     assert "dead: 7, 9" in found.text
     assert "far from their kind: 3, 4" in found.text
-    assert "247 transducers" in device_findings.check_description(described(boards=[one]))[0].text
+    assert (
+        "247 transducers" in device_check_rules.check_description(described(boards=[one]))[0].text
+    )
 
 
 def test_a_frequency_far_from_the_transducer_s_is_a_warning() -> None:
     from pacinian.devices.description import TransducerType
 
     found = levels(
-        device_findings.check_description(described(transducer=TransducerType(frequency=30_000.0)))
+        device_check_rules.check_description(
+            described(transducer=TransducerType(frequency=30_000.0))
+        )
     )
     assert found["frequency"] == "warning"
 
@@ -263,9 +267,13 @@ def test_a_frequency_far_from_the_transducer_s_is_a_warning() -> None:
 def test_levels_must_be_the_backend_s() -> None:
     from pacinian.devices.description import LevelCounts
 
-    assert device_findings.levels(described(), CAN).level == "ok"
-    assert device_findings.levels(described(levels=LevelCounts(128, 65)), CAN).level == "ok"
-    wrong = device_findings.levels(described(levels=LevelCounts(256, 65), backend="mine"), CAN)
+    assert device_check_rules.check_levels(described(), CAN).level == "ok"
+    assert (
+        device_check_rules.check_levels(described(levels=LevelCounts(128, 65)), CAN).level == "ok"
+    )
+    wrong = device_check_rules.check_levels(
+        described(levels=LevelCounts(256, 65), backend="mine"), CAN
+    )
     assert wrong.level == "problem"
     assert "mine has 128 phases" in wrong.text
 
@@ -273,24 +281,26 @@ def test_levels_must_be_the_backend_s() -> None:
 def test_boards_are_looked_for_by_serial() -> None:
     device = described(backend="mine")
     other = pc.FoundDevice("other", "B", "of another kind")
-    found = device_findings.check_connected(
+    found = device_check_rules.check_connected(
         device, [READY, other, pc.FoundDevice("mine", "C", "spare")]
     )
     assert levels(found) == {
         "board A, connected": "ok", "board B, connected": "problem", "others": "warning",
     }  # fmt: skip
     assert "connected: A, C" in found[1].fix
-    denied = device_findings.check_connected(device, [READY, DENIED])
+    denied = device_check_rules.check_connected(device, [READY, DENIED])
     assert denied[1].fix == DENIED.problem
 
 
 def test_a_board_without_a_serial_is_the_only_one_there() -> None:
     device = described(boards=[pc.Board()])
     nameless = pc.FoundDevice("mine", "", "a serial port")
-    assert levels(device_findings.check_connected(device, [nameless])) == {"board, connected": "ok"}
-    assert levels(device_findings.check_connected(device, [READY])) == {"board, connected": "ok"}
+    assert levels(device_check_rules.check_connected(device, [nameless])) == {
+        "board, connected": "ok"
+    }
+    assert levels(device_check_rules.check_connected(device, [READY])) == {"board, connected": "ok"}
     two = [READY, pc.FoundDevice("mine", "C", "another")]
-    assert levels(device_findings.check_connected(device, two))["board, connected"] == "problem"
+    assert levels(device_check_rules.check_connected(device, two))["board, connected"] == "problem"
 
 
 def test_check_tells_all_of_it(plugins: Any, tmp_path: Path) -> None:
@@ -354,7 +364,7 @@ def test_no_transducer_of_a_small_board_is_cut_off_in_its_picture(need: Any) -> 
 
 def test_one_is_not_plural() -> None:
     few = pc.DeviceDescription((Board(layout=Grid(columns=1, rows=1)),))
-    array, board, *_ = device_findings.check_description(few)
+    array, board, *_ = device_check_rules.check_description(few)
     assert array.text.startswith("1 transducer on 1 board,")
     assert board.text == "1 channel"
 

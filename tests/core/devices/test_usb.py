@@ -20,7 +20,7 @@ WHERE = "bus 1, address 2"
 
 
 def describe_listed(listed: list[ListedDevice]) -> list[tuple[str, str, str]]:
-    return [(one.serial, one.place, one.problem) for one in listed]
+    return [(one.serial, one.address, one.problem) for one in listed]
 
 
 def test_those_of_the_vendor_and_product_are_seen_by_serial_and_none_stays_open() -> None:
@@ -79,7 +79,7 @@ def test_a_dead_device_that_is_still_listed_is_passed_over() -> None:
     pad.unplug()
     assert not PADS.list_devices(bus)
     bus.plug(Pad("A"))
-    assert [one.place for one in PADS.list_devices(bus)] == ["bus 1, address 3"]
+    assert [one.address for one in PADS.list_devices(bus)] == ["bus 1, address 3"]
 
 
 @pytest.mark.parametrize("trouble", [{"mute": True}, {"fault": "hang"}])
@@ -114,7 +114,7 @@ def test_it_is_plugged_in_while_the_program_runs() -> None:
 
 def test_it_is_picked_by_its_serial_and_without_one_only_if_it_is_alone() -> None:
     listed = PADS.list_devices(plugged("B", "A")[0])
-    assert PADS.select(listed, "B").place == WHERE
+    assert PADS.select(listed, "B").address == WHERE
     refused(lambda: PADS.select(listed, "C"), "pads C: is not connected; there are: A, B")
     refused(lambda: PADS.select(listed), "pads: there are several: say which; there are: A, B")
 

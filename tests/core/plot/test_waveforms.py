@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian import plot
+from pacinian.acoustics.audibility import weigh_a
 from pacinian.plot.emissions import Emission
 from pacinian.plot.waveforms import (
     WINDOW,
@@ -17,7 +18,6 @@ from pacinian.plot.waveforms import (
     compute_course,
     compute_spectrum,
 )
-from pacinian.rendering.audibility import weigh_a
 from pacinian.testing import ManualClock
 
 ARRAY = pc.lattice(0.03, 0.03)

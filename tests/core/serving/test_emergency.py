@@ -15,7 +15,7 @@ import pytest
 from pacinian.client.connection_keys import resolve_connection
 from pacinian.client.emergency_stop import emergency_stop
 from pacinian.errors import ConnectionLost
-from pacinian.serving.ipc.auth import make_key_pair
+from pacinian.serving.ipc.auth import make_client_keys, make_server_keys
 from pacinian.serving.settings import Security
 from pacinian.wire.connection_file import Connection
 from pacinian.wire.control import Arm, Reset, Status
@@ -171,8 +171,8 @@ def test_with_curve_the_keys_of_the_file_prove_it_and_those_of_others_go_by_a_co
     start_server: Callable[..., Any], tmp_path: Path
 ) -> None:
     keys = tmp_path / "keys"
-    make_key_pair(keys, "server", server=True)
-    make_key_pair(keys, "headset")
+    make_server_keys(keys)
+    make_client_keys(keys, "headset")
     server = start_server(
         PATIENT.__class__(log=PATIENT.log, safety=PATIENT.safety, security=Security(str(keys)))
     )

@@ -18,7 +18,8 @@ from pacinian.errors import ArgumentError, ServerError
 from pacinian.scene.config_sections import Device, Units
 from pacinian.serving.ipc import logs, shared_memory
 from pacinian.serving.ipc.shared_memory import LOCK, PREFIX
-from pacinian.serving.server import MIN_FILE_LIMIT, serve
+from pacinian.serving.ipc.system_setup import MIN_FILE_LIMIT
+from pacinian.serving.server import serve
 from pacinian.serving.settings import Log, Metrics, Network, Settings
 from pacinian.testing import run_server
 from pacinian.wire.connection_file import Connection, make_folder
@@ -361,7 +362,7 @@ def test_a_signal_ends_the_server_in_order(launch: Launch, tmp_path: Path, name:
 def test_no_file_gets_the_number_of_a_standard_file_that_was_closed(tmp_path: Path) -> None:
     """Otherwise what a library prints goes into that file, or to a device."""
     code = (
-        "import os, sys; from pacinian.serving.server import _hold_standard_files; _hold_standard_files();"
+        "import os, sys; from pacinian.serving.ipc.system_setup import hold_standard_files; hold_standard_files();"
         "file = os.open(sys.argv[1], os.O_CREAT | os.O_WRONLY); os.write(file, str(file).encode());"
         "os.system('echo heard >&1; echo heard >&2')"
     )

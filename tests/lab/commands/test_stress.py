@@ -9,7 +9,7 @@ from click.testing import CliRunner
 import pacinian as pc
 from pacinian.plugins import registry
 from pacinian_lab.commands.stress import stress
-from pacinian_lab.stress import cases, extreme_problems, ill_conditioned_problems, promises, run
+from pacinian_lab.stress import cases, extreme_problems, guarantees, ill_conditioned_problems, run
 
 
 @pytest.fixture(autouse=True)
@@ -48,7 +48,7 @@ def test_json_is_one_object_on_standard_output() -> None:
     found = json.loads(result.stdout)
     assert found["quick"]
     assert not found["broken"]
-    assert set(found["promises"]) >= set(promises.EVERY)
+    assert set(found["guarantees"]) >= set(guarantees.EVERY)
     rows = {(row["family"], row["solver"]): row for row in found["rows"]}
     assert rows.keys() == {
         ("limits", "single-focus"), ("media", "single-focus"), ("moves", "propagator"),
@@ -66,7 +66,7 @@ class Breaks(pc.Solver):
         raise RuntimeError("[bold]no[/bold]")
 
 
-def test_a_broken_promise_is_told_with_what_repeats_it_and_exit_code_1(
+def test_a_broken_guarantee_is_told_with_what_repeats_it_and_exit_code_1(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(registry, "solver", lambda name: Breaks())

@@ -55,7 +55,9 @@ def unhurried(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def run(scene: Any, seconds: float = 0.06, array: pc.Array = ONE) -> Run:
     given = scene if callable(scene) else lambda t: scene
-    return Run(array, given, seconds)
+    made = Run(array, given, seconds)
+    made.execute()
+    return made
 
 
 def test_a_row_has_the_keys_that_are_promised() -> None:
@@ -160,6 +162,9 @@ def test_slower_rates_are_tried_until_one_is_held(monkeypatch: pytest.MonkeyPatc
         def __init__(self, array: Any, scene: Any, seconds: float, rate: float = 1000.0) -> None:
             tried.append(rate)
             self.held = rate < 400.0
+
+        def execute(self) -> None:
+            pass
 
         def row(self, name: str) -> Row:
             return replace(ROW, scene=name, rate=0.0)

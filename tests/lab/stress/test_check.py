@@ -1,4 +1,4 @@
-"""A broken promise is found, whichever it is; a kept one is not held against anybody."""
+"""A broken guarantee is found, whichever it is; a kept one is not held against anybody."""
 
 import dataclasses
 from typing import Any, ClassVar
@@ -8,8 +8,8 @@ import pytest
 
 import pacinian as pc
 from pacinian.testing import ManualClock
-from pacinian_lab.stress import promises
-from pacinian_lab.stress.answer_checks import find_broken_promises
+from pacinian_lab.stress import guarantees
+from pacinian_lab.stress.answer_checks import find_broken_guarantees
 from pacinian_lab.stress.case import Case
 from pacinian_lab.stress.check import check
 from pacinian_lab.stress.problem_parts import SMALL_ARRAY, compute_asked, scatter_points
@@ -22,7 +22,7 @@ QUIET = ([[0.0, 0.0, 0.07]], 1e-3)
 
 
 class Does(pc.Solver):
-    """Does what it is told, under the name of the one that promises most."""
+    """Does what it is told, under the name of the one that guarantees most."""
 
     name: ClassVar[str] = "lagrange"
 
@@ -41,7 +41,7 @@ def fails(out: Any) -> None:
 
 
 @pytest.mark.parametrize(
-    ("promise", "does"),
+    ("guarantee", "does"),
     [
         ("raises", fails),
         ("raises", lambda out: np.divide(out, 0.0)),  # a warning
@@ -50,8 +50,8 @@ def fails(out: Any) -> None:
         ("near", lambda out: out.fill(1.0)),
     ],
 )
-def test_a_solver_that_breaks_a_promise_is_found(promise: str, does: Any) -> None:
-    assert promise in check(CASE, Does(does)).broken
+def test_a_solver_that_breaks_a_guarantee_is_found(guarantee: str, does: Any) -> None:
+    assert guarantee in check(CASE, Does(does)).broken
 
 
 def test_a_solver_that_takes_too_long_is_found() -> None:
@@ -62,16 +62,16 @@ def test_a_solver_that_takes_too_long_is_found() -> None:
     assert evidence.seconds == 1e3
 
 
-def test_a_stranger_promises_less() -> None:
+def test_a_stranger_guarantees_less() -> None:
     solver = Does(lambda out: out.fill(0.0))
     solver.__class__ = type("Stranger", (Does,), {"name": "stranger"})
     assert not check(CASE, solver).broken
 
 
 def broken(case: Case, **changes: Any) -> set[str]:
-    """The promises that an answer breaks which is changed behind the session's back."""
+    """The guarantees that an answer breaks which is changed behind the session's back."""
     solution = dataclasses.replace(case.solve("pseudo-inverse"), **changes)
-    return {promise for promise, _ in find_broken_promises(case, solution, 0.0)}
+    return {guarantee for guarantee, _ in find_broken_guarantees(case, solution, 0.0)}
 
 
 def test_what_the_session_guarantees_is_looked_at_all_the_same() -> None:
@@ -91,7 +91,7 @@ def test_what_the_session_guarantees_is_looked_at_all_the_same() -> None:
     assert {"power", "true"} <= broken(power, gains=g)
     most = dataclasses.replace(CASE, scale="max")
     assert "strong" in broken(most, gains=np.complex64(0.5) * g / np.abs(g).max())
-    assert dict(find_broken_promises(CASE, CASE.solve("pseudo-inverse"), 1e3)).keys() == {"late"}
+    assert dict(find_broken_guarantees(CASE, CASE.solve("pseudo-inverse"), 1e3)).keys() == {"late"}
 
 
 @pytest.mark.parametrize("limits", [{"quiet": QUIET}, {"exact": [0]}])
@@ -110,7 +110,7 @@ def test_a_limit_that_is_ignored_is_found(limits: Any) -> None:
     else:
         assert case.solve(Ignores(None)).status is pc.Status.infeasible
         loose = dataclasses.replace(case.solve(Ignores(None)), status=pc.Status.ok)
-        assert "exact" in dict(find_broken_promises(case, loose, 0.0))
+        assert "exact" in dict(find_broken_guarantees(case, loose, 0.0))
 
 
 def test_refusals_are_right_where_they_are_called_for() -> None:
@@ -122,7 +122,7 @@ def test_refusals_are_right_where_they_are_called_for() -> None:
     assert "raises" in check(here, pc.solver("gs-pat")).broken
 
 
-def test_every_promise_that_can_be_broken_is_stated() -> None:
-    stated = {*promises.EVERY, *promises.OURS, *promises.PROPAGATOR}
-    assert len(stated) == len(promises.EVERY) + len(promises.OURS) + len(promises.PROPAGATOR)
+def test_every_guarantee_that_can_be_broken_is_stated() -> None:
+    stated = {*guarantees.EVERY, *guarantees.OURS, *guarantees.PROPAGATOR}
+    assert len(stated) == len(guarantees.EVERY) + len(guarantees.OURS) + len(guarantees.PROPAGATOR)
     assert {"gain", "finite", "near", "drift"} <= stated

@@ -1,4 +1,4 @@
-"""Promises of regions: a broken one is found, by other means than the session's."""
+"""Guarantees of regions: a broken one is found, by other means than the session's."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import pacinian as pc
-from pacinian_lab.stress import promises
-from pacinian_lab.stress.answer_checks import find_broken_promises
+from pacinian_lab.stress import guarantees
+from pacinian_lab.stress.answer_checks import find_broken_guarantees
 from pacinian_lab.stress.case import Case
 from pacinian_lab.stress.check import compute_ratio
 from pacinian_lab.stress.problem_parts import SMALL_ARRAY
@@ -25,9 +25,9 @@ COARSE = Case(
 
 
 def broken(case: Case, **changes: Any) -> dict[str, str]:
-    """The promises that an answer breaks which is changed behind the session's back."""
+    """The guarantees that an answer breaks which is changed behind the session's back."""
     return dict(
-        find_broken_promises(case, dataclasses.replace(case.solve("lagrange"), **changes), 0.0)
+        find_broken_guarantees(case, dataclasses.replace(case.solve("lagrange"), **changes), 0.0)
     )
 
 
@@ -64,11 +64,11 @@ def test_the_residual_beside_counts_by_its_weight() -> None:
     case = CASES["with points beside"]
     solution = case.solve("lagrange")
     assert solution.quiet_weight < 0.1
-    promise = promises.get_promise("lagrange").near
-    assert promise is not None
-    assert compute_ratio(case, promise, solution) <= promise.factor
+    guarantee = guarantees.get_guarantee("lagrange").near
+    assert guarantee is not None
+    assert compute_ratio(case, guarantee, solution) <= guarantee.factor
     heavy = dataclasses.replace(solution, quiet_weight=1.0)
-    assert compute_ratio(case, promise, heavy) > compute_ratio(case, promise, solution)
+    assert compute_ratio(case, guarantee, heavy) > compute_ratio(case, guarantee, solution)
     assert "bound" in broken(case, quiet_weight=1.0)
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import pacinian as pc
-from pacinian_lab.stress import cases, promises, run
+from pacinian_lab.stress import cases, guarantees, run
 from pacinian_lab.stress.check import Evidence
 
 ALL = cases.cases()
@@ -45,10 +45,10 @@ def test_the_problems_reach_as_far_as_is_said(figure: str) -> None:
     assert any(f" {figure}" in case.name for case in ALL)
 
 
-def test_the_page_has_every_family_and_every_promise() -> None:
-    for name in (*cases.FAMILIES, *promises.EVERY, *promises.OURS, *promises.PROPAGATOR):
+def test_the_page_has_every_family_and_every_guarantee() -> None:
+    for name in (*cases.FAMILIES, *guarantees.EVERY, *guarantees.OURS, *guarantees.PROPAGATOR):
         assert f"| `{name}` |" in PAGE, name
-    for name in promises.PROMISES:
+    for name in guarantees.GUARANTEES:
         assert f"`{name}`" in PAGE, name
 
 
@@ -83,7 +83,7 @@ def test_a_drift_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_all_installed_solvers_are_tried_and_a_bad_name_is_told() -> None:
-    assert set(run.solvers()) >= set(promises.PROMISES)
+    assert set(run.solvers()) >= set(guarantees.GUARANTEES)
     with pytest.raises(pc.UnknownPlugin):
         run.run(["magic"], [])
     seen: list[str] = []

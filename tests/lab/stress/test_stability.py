@@ -1,4 +1,4 @@
-"""Every installed solver keeps its promises on hard problems (pacinian_lab.stress, docs/stability.md)."""
+"""Every installed solver keeps its guarantees on hard problems (pacinian_lab.stress, docs/stability.md)."""
 
 import math
 from dataclasses import replace
@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.testing import ManualClock
-from pacinian_lab.stress import promises
+from pacinian_lab.stress import guarantees
 from pacinian_lab.stress.case import Case
 from pacinian_lab.stress.cases import FAMILIES
 from pacinian_lab.stress.problem_parts import (
@@ -47,8 +47,8 @@ class Looks(ManualClock):
         return self.time
 
 
-def require_promises(case: Case, *names: str) -> None:
-    """Require that the solvers keep all promises but that of time, which needs a real clock."""
+def require_guarantees(case: Case, *names: str) -> None:
+    """Require that the solvers keep all guarantees but that of time, which needs a real clock."""
     broken = [
         (evidence.solver, name, figure)
         for evidence in run(names, [replace(case, clock=Looks().now)])
@@ -59,10 +59,10 @@ def require_promises(case: Case, *names: str) -> None:
 
 
 @pytest.mark.parametrize("family", FAMILIES)
-def test_promises_are_kept(family: str) -> None:
+def test_guarantees_are_kept(family: str) -> None:
     quick = [case for case in FAMILIES[family]() if not case.slow]
     for case in quick[::7]:  # families are made by loops of 2 to 6: all their values are met
-        require_promises(case, *SOLVERS)
+        require_guarantees(case, *SOLVERS)
 
 
 @st.composite
@@ -101,12 +101,12 @@ def problems(draw: Any) -> Case:
 @pytest.mark.parametrize("solver", SOLVERS)
 @settings(max_examples=40)
 @given(case=problems())
-def test_promises_are_kept_on_random_problems(solver: str, case: Case) -> None:
-    require_promises(case, solver)
+def test_guarantees_are_kept_on_random_problems(solver: str, case: Case) -> None:
+    require_guarantees(case, solver)
 
 
-def test_what_is_promised_of_lagrange_is_no_less_than_its_own_regularisation() -> None:
-    near = promises.PROMISES["lagrange"].near
+def test_what_is_guaranteed_of_lagrange_is_no_less_than_its_own_regularisation() -> None:
+    near = guarantees.GUARANTEES["lagrange"].near
     assert near is not None
     assert near.mu >= getattr(pc.solver("lagrange"), "mu", near.mu)
 
@@ -129,7 +129,7 @@ def clarabel(case: Case) -> float:
 
 
 @pytest.mark.parametrize(
-    "solver", [s for s in SOLVERS if promises.get_promise(s) is promises.LAGRANGE]
+    "solver", [s for s in SOLVERS if guarantees.get_guarantee(s) is guarantees.LAGRANGE]
 )
 @pytest.mark.parametrize("level", [0.4, 1.2, 4.0])
 @pytest.mark.parametrize("spacing", [0.0, 1e-9, 1e-4, 1e-2])
@@ -160,7 +160,7 @@ def test_limits_are_kept_at_the_price_of_clarabel(solver: str, limits: Any, leve
     q = scatter_points(4)
     t, phases = compute_asked(SMALL_ARRAY, q, level, [1, 2, 3, 4]), np.array([0.0, 1.0, 2.0, 3.0])
     case = Case("clarabel: limits", SMALL_ARRAY, q, t, phases, pc.Limits(**limits))
-    require_promises(case, solver)
+    require_guarantees(case, solver)
     best = clarabel(case)
     solution = case.solve(solver)
     assert (solution.status is pc.Status.infeasible) == math.isinf(best)

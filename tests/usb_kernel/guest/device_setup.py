@@ -76,7 +76,7 @@ class Playing:
         """Where they are, by serial, once the system has found them all."""
         serials = sorted(one.serial for one in self.plugged)
         until(lambda: [one.serial for one in DEVICES.list_devices()] == serials)
-        return [one.place for one in DEVICES.list_devices()]
+        return [one.address for one in DEVICES.list_devices()]
 
     def open(self) -> Playing:
         """Silent until something is played."""

@@ -4,15 +4,15 @@ import type { Space } from "../space/space";
 import { button, element } from "./dom";
 
 export function watchViews(space: Space): void {
-  const { view } = space;
-  view.canvas.setAttribute("role", "application");
-  view.canvas.setAttribute("aria-label", "3-D view; arrow keys turn it, Page Up and Page Down move the slice");
+  const { viewport } = space;
+  viewport.canvas.setAttribute("role", "application");
+  viewport.canvas.setAttribute("aria-label", "3-D view; arrow keys turn it, Page Up and Page Down move the slice");
   for (const each of document.querySelectorAll<HTMLButtonElement>("[data-from]")) {
     each.addEventListener("click", () => {
       const from = each.dataset["from"];
-      if (from === "x" || from === "y" || from === "z") view.from(from);
+      if (from === "x" || from === "y" || from === "z") viewport.from(from);
       else if (from === "near") space.fit();
-      else view.all();
+      else viewport.all();
     });
   }
   const follow = button("follow");

@@ -8,22 +8,22 @@ const FINE = 0.001; // step of the slice [m]
 const COARSE = 0.01; // step with Shift [m]
 
 export function listen(space: Space, slicePlane: SlicePlane): void {
-  const { view } = space;
+  const { viewport } = space;
   const move = (by: number, event: KeyboardEvent): void =>
     slicePlane.move(slicePlane.position + by * (event.shiftKey ? COARSE : FINE));
   const actions: Record<string, (event: KeyboardEvent) => void> = {
-    ArrowLeft: () => view.orbit(-1, 0),
-    ArrowRight: () => view.orbit(1, 0),
-    ArrowUp: () => view.orbit(0, 1),
-    ArrowDown: () => view.orbit(0, -1),
-    "+": () => view.orbit(0, 0, NEARER),
-    "=": () => view.orbit(0, 0, NEARER),
-    "-": () => view.orbit(0, 0, 1 / NEARER),
-    Home: () => view.all(),
+    ArrowLeft: () => viewport.orbit(-1, 0),
+    ArrowRight: () => viewport.orbit(1, 0),
+    ArrowUp: () => viewport.orbit(0, 1),
+    ArrowDown: () => viewport.orbit(0, -1),
+    "+": () => viewport.orbit(0, 0, NEARER),
+    "=": () => viewport.orbit(0, 0, NEARER),
+    "-": () => viewport.orbit(0, 0, 1 / NEARER),
+    Home: () => viewport.all(),
     f: () => space.fit(),
-    "1": () => view.from("y"),
-    "2": () => view.from("x"),
-    "3": () => view.from("z"),
+    "1": () => viewport.from("y"),
+    "2": () => viewport.from("x"),
+    "3": () => viewport.from("z"),
     "4": () => space.fit(),
     PageUp: (event) => move(1, event),
     PageDown: (event) => move(-1, event),
@@ -34,7 +34,7 @@ export function listen(space: Space, slicePlane: SlicePlane): void {
     a: () => slicePlane.turn(),
     c: () => slicePlane.follow(true, space.middle),
   };
-  view.canvas.addEventListener("keydown", (event) => {
+  viewport.canvas.addEventListener("keydown", (event) => {
     const action = actions[event.key.length === 1 ? event.key.toLowerCase() : event.key];
     if (!action || event.ctrlKey || event.metaKey || event.altKey) return;
     action(event);

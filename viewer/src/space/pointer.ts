@@ -33,7 +33,7 @@ export class Pointer {
     private readonly slicePlane: SlicePlane,
     private readonly tell: (told: HoverValue | null) => void,
   ) {
-    const { canvas, element } = space.view;
+    const { canvas, element } = space.viewport;
     element.addEventListener("pointerdown", (event) => this.down(event), { capture: true });
     canvas.addEventListener("pointermove", (event) => this.move(event));
     canvas.addEventListener("pointerup", () => this.up());
@@ -42,7 +42,7 @@ export class Pointer {
   }
 
   private down(event: PointerEvent): void {
-    const { canvas, controls } = this.space.view;
+    const { canvas, controls } = this.space.viewport;
     if (event.target !== canvas || event.button !== 0 || event.shiftKey || event.ctrlKey) return;
     canvas.focus({ preventScroll: true });
     this.aim(event);
@@ -80,7 +80,7 @@ export class Pointer {
   private up(): void {
     if (!this.drag) return;
     this.drag = undefined;
-    this.space.view.controls.enabled = true;
+    this.space.viewport.controls.enabled = true;
     this.slicePlane.move(this.slicePlane.position);
   }
 
@@ -92,11 +92,11 @@ export class Pointer {
   }
 
   private hover(over: boolean): void {
-    const { slice, view } = this.space;
+    const { slice, viewport } = this.space;
     if (over === slice.hovered) return;
     slice.hovered = over;
-    view.canvas.style.cursor = over ? "grab" : "";
-    view.urge();
+    viewport.canvas.style.cursor = over ? "grab" : "";
+    viewport.urge();
   }
 
   /** Report the value under the mouse. */
@@ -112,19 +112,19 @@ export class Pointer {
   }
 
   private grips(event: PointerEvent): boolean {
-    const grip = this.space.view.project(this.space.slice.gripped);
+    const grip = this.space.viewport.project(this.space.slice.gripped);
     if (Math.hypot(grip.x - event.clientX, grip.y - event.clientY) < NEAR) return true;
     return hit(this.slicePlane.plane, this.caster.ray) !== null;
   }
 
   private aim(event: PointerEvent): void {
-    const { view } = this.space;
-    const { left, top } = view.canvas.getBoundingClientRect();
+    const { viewport } = this.space;
+    const { left, top } = viewport.canvas.getBoundingClientRect();
     this.mouse.set(
-      (2 * (event.clientX - left)) / view.size.x - 1,
-      1 - (2 * (event.clientY - top)) / view.size.y,
+      (2 * (event.clientX - left)) / viewport.size.x - 1,
+      1 - (2 * (event.clientY - top)) / viewport.size.y,
     );
-    this.caster.setFromCamera(this.mouse, view.camera);
+    this.caster.setFromCamera(this.mouse, viewport.camera);
   }
 
   /** Return the position along the slice's normal that is nearest to the mouse's ray [m]. */
@@ -138,8 +138,8 @@ export class Pointer {
 
   /** Like `along`, for a camera that looks along the normal: moving the mouse up increases the position. */
   private upwards(event: PointerEvent): number {
-    const { view } = this.space;
-    return -event.clientY * view.pixel * this.base().distanceTo(view.camera.position);
+    const { viewport } = this.space;
+    return -event.clientY * viewport.pixel * this.base().distanceTo(viewport.camera.position);
   }
 
   private base(): Vector3 {

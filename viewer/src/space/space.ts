@@ -21,7 +21,7 @@ import { peak } from "./planes";
 import { Samples } from "./samples";
 import { FieldSlice } from "./slice";
 import { Transducers } from "./transducers";
-import { View } from "./view";
+import { Viewport } from "./viewport";
 
 const AHEAD = 0.3; // depth of the visible space before the array [m]
 const FOCUS = 0.2; // distance of the middle from the array while there are no samples [m]
@@ -34,7 +34,7 @@ const LOOK_INTERVAL = 250; // shortest time between two moves of camera and slic
 const OLD = 3000; // time after which a slice that is out of date is hidden [ms]
 
 export class Space {
-  readonly view: View;
+  readonly viewport: Viewport;
   readonly transducers = new Transducers();
   readonly hands = new Hands();
   readonly objects = new Objects();
@@ -70,9 +70,9 @@ export class Space {
     private readonly surfaceBox: SurfaceBox,
     private readonly scales: Record<Quantity, AutoScale>,
   ) {
-    this.view = new View(element);
-    this.slice = new FieldSlice(this.view.smooth);
-    this.view.scene.add(
+    this.viewport = new Viewport(element);
+    this.slice = new FieldSlice(this.viewport.smooth);
+    this.viewport.scene.add(
       this.axes,
       this.transducers.mesh,
       this.objects.group,
@@ -81,7 +81,7 @@ export class Space {
       this.surface.glass,
       this.samples.group,
     );
-    this.view.onFrame(() => this.beforeFrame());
+    this.viewport.onFrame(() => this.beforeFrame());
     this.slicePlane.onChange(() => this.wanted());
     this.wanted();
     this.surface.glass.visible = false;
@@ -105,8 +105,8 @@ export class Space {
   /** Fit hands, contacts and nearby objects into the view; if there are none, fit everything. */
   fit(): void {
     const box = this.content();
-    if (box) this.view.look(box);
-    else this.view.all();
+    if (box) this.viewport.look(box);
+    else this.viewport.all();
   }
 
   /** Set whether the camera follows hands and objects. */
@@ -136,11 +136,11 @@ export class Space {
     if (now < this.nextLook) return;
     this.nextLook = now + LOOK_INTERVAL;
     const box = this.content();
-    if (box && !this.met) this.view.look(box);
-    else if (box && this.follows) this.view.track(box);
+    if (box && !this.met) this.viewport.look(box);
+    else if (box && this.follows) this.viewport.track(box);
     this.met ||= Boolean(box);
-    if (this.samples.count) this.slicePlane.attend(this.middle, this.view.facing(this.slicePlane.axis));
-    else this.slicePlane.attend(this.slicePlane.plane.centre, this.view.facing(this.slicePlane.axis));
+    if (this.samples.count) this.slicePlane.attend(this.middle, this.viewport.facing(this.slicePlane.axis));
+    else this.slicePlane.attend(this.slicePlane.plane.centre, this.viewport.facing(this.slicePlane.axis));
     this.age(now);
   }
 
@@ -156,7 +156,7 @@ export class Space {
     this.old = other || ended ? (this.old ?? now) : undefined;
     if (this.old === undefined || now < this.old + OLD) return;
     this.slice.clear();
-    this.view.urge();
+    this.viewport.urge();
   }
 
   /** The colour scale of the slice shown. */
@@ -173,7 +173,7 @@ export class Space {
   recut(): void {
     if (this.surfaceBox.shown) this.surface.cut(this.level, css(PRESSURES, 0.4 + 0.6 * this.surfaceBox.share));
     else this.surface.clear();
-    this.view.urge();
+    this.viewport.urge();
   }
 
   /** Call `listener` when a colour scale has changed. */
@@ -196,7 +196,7 @@ export class Space {
     const top = round(Math.min(most(felt), BRIGHT * wanted) > wanted ? Math.min(most(felt), BRIGHT * wanted) : wanted);
     this.hands.paint(plane, felt, top);
     this.layer();
-    this.view.change();
+    this.viewport.change();
     return top;
   }
 
@@ -204,7 +204,7 @@ export class Space {
   unpaint(): void {
     this.hands.unpaint();
     this.layer();
-    this.view.change();
+    this.viewport.change();
   }
 
   /** Show the samples, unless an error slice or the painted hands show the same. */
@@ -216,7 +216,7 @@ export class Space {
 
   private changed(change: () => void): void {
     change();
-    this.view.change();
+    this.viewport.change();
   }
 
   private place(array: Arrayed): void {
@@ -242,8 +242,8 @@ export class Space {
     const centre = low.map((x, n) => (x + (high[n] ?? x)) / 2);
     this.focus.set(centre[0] ?? 0, centre[1] ?? 0, high[2] + FOCUS);
     if (alike(before, this.extent)) return; // the same array: the server is back
-    this.view.whole = this.axes.box;
-    if (!this.met) this.view.all();
+    this.viewport.whole = this.axes.box;
+    if (!this.met) this.viewport.all();
     if (this.slicePlane.follows) this.slicePlane.follow(true, this.middle);
   }
 
@@ -260,7 +260,7 @@ export class Space {
     this.look(); // here too, because no slices come while the field does not change
     this.attend();
     if (before && same(before, state, "points", "normals", "asked", "achieved", "hands")) return;
-    this.view.change();
+    this.viewport.change();
     this.samples.show(state);
     this.hands.show(state.hands);
     this.layer();
@@ -300,21 +300,21 @@ export class Space {
       this.layer();
     }
     this.slice.want(this.slicePlane.plane);
-    this.view.urge();
+    this.viewport.urge();
   }
 
   private beforeFrame(): void {
     this.things.length = 0;
     this.things.push(...this.hands.shown, this.slice, this.surface, ...this.objects.all.values());
-    takeTurns(this.things, this.view.camera);
-    const pixel = this.view.pixel;
+    takeTurns(this.things, this.viewport.camera);
+    const pixel = this.viewport.pixel;
     for (const label of this.axes.labels) label.fit(pixel);
     for (const { label } of this.objects.all.values()) label.fit(pixel);
-    const project = (point: Vector3): Vector3 => this.view.project(point);
+    const project = (point: Vector3): Vector3 => this.viewport.project(point);
     const kept: Kept[] = [];
     this.objects.separate(project, kept);
-    this.axes.separate(project, this.view.camera.position, this.hands, kept);
-    this.slice.fit(pixel * this.view.camera.position.distanceTo(this.slice.gripped));
+    this.axes.separate(project, this.viewport.camera.position, this.hands, kept);
+    this.slice.fit(pixel * this.viewport.camera.position.distanceTo(this.slice.gripped));
   }
 }
 

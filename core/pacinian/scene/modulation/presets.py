@@ -20,6 +20,11 @@ PresetName = Literal["impulsive", "rapturous", "trembling", "buzzing"]
 
 TREMBLE, WANDER = Sine(40.0), Noise(0.5, 8.0, low=0.2)
 THRILL, SWELL = Sine(150.0), Sine(2.0 / 3.0)
+BUZZ = Sine(250.0)
+# Periods of the presets that have one [s].
+PRESET_PERIODS: dict[str, float] = {
+    "impulsive": 0.25, "rapturous": 1.0 / SWELL.frequency, "buzzing": 1.0 / BUZZ.frequency
+}  # fmt: skip
 
 
 class Preset(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag="preset"):
@@ -47,7 +52,7 @@ class Preset(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", 
 
 def impulsive(t: Floats) -> Floats:
     """Return the factor of the preset "impulsive" at times t [s]."""
-    s = t % 0.25
+    s = t % PRESET_PERIODS["impulsive"]
     return raise_cosine(s / EDGE) * np.exp(-s / 0.015)
 
 
@@ -65,5 +70,5 @@ PRESETS: dict[PresetName, Callable[[Floats], Floats]] = {
     "impulsive": impulsive,
     "rapturous": rapturous,
     "trembling": trembling,
-    "buzzing": Sine(250.0).at,
+    "buzzing": BUZZ.at,
 }

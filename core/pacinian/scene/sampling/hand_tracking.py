@@ -1,4 +1,7 @@
-"""Predict hands between updates, blend in each update without a jump, and hold, then fade, a hand that is lost."""
+"""Predict hands between updates, blend in each update without a jump, and hold, then fade, a hand that is lost.
+
+Velocities come from the client.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Predict the poses of objects between updates, and blend in each update without a jump."""
+"""Predict the poses of objects between updates, and blend in each update without a jump.
+
+Velocities come from the client.
+"""
 
 from __future__ import annotations
 

@@ -19,7 +19,6 @@ from typing import TYPE_CHECKING, TypeVar
 import msgspec
 import zmq
 
-from pacinian.errors import ServerError
 from pacinian.serving.bus.coalescing import Message
 from pacinian.serving.bus.dispatcher import CommandDispatcher
 from pacinian.serving.bus.field_queries import EmittedGains
@@ -27,7 +26,6 @@ from pacinian.serving.bus.warmup import warm_up
 from pacinian.serving.ipc import parent_link, scheduling
 from pacinian.serving.ipc.auth import ClientAuthenticator, receive
 from pacinian.serving.ipc.logs import RateLimitedLog, configure
-from pacinian.serving.ipc.memory_trim import trim_memory
 from pacinian.serving.ipc.messages import (
     Changes,
     ChangesAck,
@@ -37,7 +35,9 @@ from pacinian.serving.ipc.messages import (
     open_wakes,
     pack,
 )
+from pacinian.serving.ipc.ports import bind_socket
 from pacinian.serving.ipc.shared_memory import SharedRegister
+from pacinian.serving.ipc.system_setup import trim_memory
 from pacinian.wire.codec import encode
 
 if TYPE_CHECKING:
@@ -211,12 +211,7 @@ def open_bus(settings: Settings, folder: Path, secrets: dict[str, str]) -> Gener
         authenticator.configure_socket(socket, settings.clients.max_command_bytes)
         socket.router_mandatory = False  # replies to a closed connection are dropped
         network = settings.network
-        try:
-            socket.bind(network.endpoint(network.command))
-        except zmq.ZMQError as error:
-            raise ServerError(
-                f"{network.endpoint(network.command)} cannot be bound: {error.strerror}"
-            ) from error
+        bind_socket(socket, network.endpoint(network.command))
         executor = ThreadPoolExecutor(1)
         stack.callback(executor.shutdown, cancel_futures=True)
         yield Bus(settings, array, socket, memory, authenticator.name_user, executor, wake)

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 import zmq
 
 from pacinian.closeable import Closeable
-from pacinian.errors import ServerError
 from pacinian.serving.ipc.auth import receive
+from pacinian.serving.ipc.ports import bind_socket
 from pacinian.wire.protocol import MAX_CONTROL_BYTES
 
 if TYPE_CHECKING:
@@ -75,8 +75,8 @@ class ControlSockets(Closeable):
             ]
             stack.callback(self._control.disable_monitor)
             stack.callback(self._state.disable_monitor)
-            self.control = _bind(self._control, network, network.control)
-            self.state = _bind(self._state, network, network.state)
+            self.control = bind_socket(self._control, network.endpoint(network.control))
+            self.state = bind_socket(self._state, network.endpoint(network.state))
             self._poller = zmq.Poller()
             self._poller.register(self._control, zmq.POLLIN)
             self._poller.register(stop.socket, zmq.POLLIN)
@@ -157,18 +157,3 @@ class ControlSockets(Closeable):
         due = time.monotonic() + MAX_DRAIN_TIME
         while events.poll(QUIET_TIME) and time.monotonic() < due:
             self.take_refusals()
-
-
-def _bind(socket: zmq.Socket[bytes], network: Network, port: int) -> int:
-    try:
-        socket.bind(network.endpoint(port))
-    except zmq.ZMQError as error:
-        raise ServerError(explain_bind_error(network.endpoint(port), error.strerror)) from error
-    return int(str(socket.get_string(zmq.LAST_ENDPOINT)).rpartition(":")[2])
-
-
-def explain_bind_error(at: str, why: str | None) -> str:
-    """Return the error text for an address that cannot be bound."""
-    return (
-        f"{at} cannot be bound: {why}. Is another server running? Choose another port, or 0 for any"
-    )

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 from pacinian.errors import ServerError
-from pacinian.serving.ipc.hang_detection import WatchedTime, compute_hang_limit
+from pacinian.serving.ipc.hang_detection import WatchedTime, compute_sounding_hang_limit
 from pacinian.serving.ipc.logs import log
 from pacinian.serving.ipc.processes import Child
 
@@ -138,8 +138,9 @@ class Supervisor:
         self._watched.advance(self._clock())
         for name, child in self.children.items():
             now = self._clock()
-            limit = compute_hang_limit(self._hang_timeout, sound=sound and name == GUARD)
-            child.sounded = child.sounded or (sound and name == GUARD)
+            limit = self._hang_timeout
+            if sound and name == GUARD:
+                limit, child.sounded = compute_sounding_hang_limit(limit), True
             if child.due is not None:
                 why = self._restart_or_promote_spare(child, now)
             elif why := self._check_child(child, heartbeats.get(name, 0.0), limit):

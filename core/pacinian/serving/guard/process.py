@@ -28,7 +28,6 @@ from pacinian.serving.guard.output_gate import OutputGate
 from pacinian.serving.guard.spare_guard import stand_by
 from pacinian.serving.ipc import parent_link, scheduling, shared_memory
 from pacinian.serving.ipc.logs import configure, log
-from pacinian.serving.ipc.memory_trim import trim_memory
 from pacinian.serving.ipc.messages import (
     DeviceStatus,
     Permit,
@@ -40,6 +39,7 @@ from pacinian.serving.ipc.messages import (
 from pacinian.serving.ipc.plugin_list import find_plugin, publish_offers
 from pacinian.serving.ipc.refused_setting import refuse_setting
 from pacinian.serving.ipc.shared_memory import RegisterReader, SharedRegister
+from pacinian.serving.ipc.system_setup import trim_memory
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -10,7 +10,7 @@ import sys
 import time
 from typing import TYPE_CHECKING
 
-from pacinian.serving.ipc.hang_detection import HangDetector, compute_hang_limit
+from pacinian.serving.ipc.hang_detection import HangDetector, compute_sounding_hang_limit
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -36,7 +36,7 @@ def stand_by(parent: Parent, hang_timeout: float, look: Callable[[], tuple[float
     except OSError:  # the guard has ended already, and the parent knows it
         parent.wait()
         return
-    detector, poll = HangDetector(compute_hang_limit(hang_timeout, sound=True)), select.poll()
+    detector, poll = HangDetector(compute_sounding_hang_limit(hang_timeout)), select.poll()
     poll.register(guard, select.POLLIN)
     poll.register(parent.pipe, select.POLLIN)
     sound = False

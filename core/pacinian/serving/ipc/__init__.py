@@ -8,10 +8,10 @@ parent_link.py        a child's link to its parent: receives the configuration, 
 launch_config.py      the configuration of a new child
 child_pipe.py         the pipes that hold a child's configuration, and end it when they close
 processes.py          spawns or forks a process, although no file descriptor is left
-open_files.py         the file descriptors that a process has open
+system_setup.py       asks of the operating system: file descriptors, memory, signals, systemd
+ports.py              whether a TCP port is free; binds sockets
 hang_detection.py     whether a process hangs, from its heartbeats and `hang_timeout` (settings.py)
 scheduling.py         priority, real-time class and processor affinity
-memory_trim.py        returns memory that a start needed
 logs.py               logging to standard error
 log_lines.py          a line of the log, as text or JSON
 auth.py               keys, tokens and CURVE: who may connect

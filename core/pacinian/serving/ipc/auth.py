@@ -177,34 +177,45 @@ def _skip_parts(socket: zmq.Socket[Any]) -> bool:
     return any(not socket.recv(zmq.NOBLOCK, copy=False).more for _ in range(MAX_SKIPPED))
 
 
-def make_key_pair(folder: str | Path, name: str, *, server: bool = False) -> tuple[Path, Path]:
-    """Make a pair of CURVE keys; return the files of the public and the secret key. The secret file has mode 0600.
+def make_server_keys(folder: str | Path) -> tuple[Path, Path]:
+    """Make the server's pair of CURVE keys; return its files, server.key and server.key_secret. Raises ServerError.
 
-    The server's files are server.key and server.key_secret. A client's public key goes to the allow-list,
-    clients/NAME.key; NAME.key_secret is for the client alone. Raises ArgumentError, ServerError.
+    The secret file has mode 0600.
+    """
+    root = Path(folder)
+    return _make_key_pair("server", root / "server.key", root / "server.key_secret")
+
+
+def make_client_keys(folder: str | Path, name: str) -> tuple[Path, Path]:
+    """Make a client's pair of CURVE keys; return the files of the public and the secret key.
+
+    The public key goes to the allow-list, clients/NAME.key. NAME.key_secret is for the client alone, and has mode 0600.
+    Raises ArgumentError, ServerError.
     """
     if not name or len(name) > 64 or not all(c.isalnum() or c in "-_" for c in name):
         raise ArgumentError("name", f"must be letters, digits, - and _, not {name!r}")
-    if not server and name == "server":
+    if name == "server":
         raise ArgumentError(
             "name", 'cannot be "server", which is the name of the server\'s own keys'
         )
     root = Path(folder)
-    public = (root if server else root / "clients") / f"{name}.key"
-    secret = root / f"{name}.key_secret"
+    return _make_key_pair(name, root / "clients" / f"{name}.key", root / f"{name}.key_secret")
+
+
+def _make_key_pair(name: str, public: Path, secret: Path) -> tuple[Path, Path]:
     for file in (public, secret):
         if file.exists():
             raise ServerError(f"{file} already exists: remove it first, or choose another name")
     try:
         public.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
         # The library writes world-readable secret keys, so it writes to a private folder first.
-        with tempfile.TemporaryDirectory(dir=root) as private:
+        with tempfile.TemporaryDirectory(dir=secret.parent) as private:
             made = [Path(file) for file in create_certificates(private, name)]
             made[1].chmod(0o600)
             for source, target in zip(made, (public, secret), strict=True):
                 source.replace(target)
     except OSError as error:
-        raise ServerError(f"{error.filename or root}: {error.strerror}") from error
+        raise ServerError(f"{error.filename or secret.parent}: {error.strerror}") from error
     return public, secret
 
 

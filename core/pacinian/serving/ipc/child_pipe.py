@@ -14,7 +14,7 @@ import threading
 from typing import TYPE_CHECKING
 
 from pacinian.errors import ServerError
-from pacinian.serving.ipc.open_files import list_file_descriptors
+from pacinian.serving.ipc.system_setup import list_file_descriptors
 
 if TYPE_CHECKING:
     from pacinian.serving.ipc.processes import Child

@@ -12,13 +12,9 @@ MIN_HANG_LIMIT = 0.1  # smallest hang limit of a guard while there may be sound 
 MAX_CHECK_GAP = 0.05
 
 
-def compute_hang_limit(hang_timeout: float, *, sound: bool) -> float:
-    """Return the time without a heartbeat after which a process is killed [s]. sound: the guard's limit with sound."""
-    return (
-        min(hang_timeout, max(MIN_HANG_LIMIT, hang_timeout / SOUNDING_HANG_DIVISOR))
-        if sound
-        else hang_timeout
-    )
+def compute_sounding_hang_limit(hang_timeout: float) -> float:
+    """Return the time without a heartbeat after which a guard is killed while there may be sound [s]."""
+    return min(hang_timeout, max(MIN_HANG_LIMIT, hang_timeout / SOUNDING_HANG_DIVISOR))
 
 
 class WatchedTime:

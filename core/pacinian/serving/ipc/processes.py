@@ -16,7 +16,7 @@ import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
-from pacinian.serving.ipc.open_files import list_file_descriptors
+from pacinian.serving.ipc.system_setup import list_file_descriptors
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -16,11 +16,11 @@ from msgspec.msgpack import Decoder
 from pacinian.plugins.backend import Capability
 from pacinian.serving.ipc import launch_config, parent_link, scheduling
 from pacinian.serving.ipc.logs import configure
-from pacinian.serving.ipc.memory_trim import trim_memory
 from pacinian.serving.ipc.messages import DeviceStatus, open_wake_pipe, open_wakes
 from pacinian.serving.ipc.plugin_list import publish_offers
 from pacinian.serving.ipc.refused_setting import blame_setting
 from pacinian.serving.ipc.shared_memory import SharedRegister
+from pacinian.serving.ipc.system_setup import trim_memory
 from pacinian.serving.render.background_loader import BackgroundLoader
 from pacinian.serving.render.render_loop import FILES, RenderLoop
 from pacinian.serving.render.solver_switcher import SolverSwitcher, make_solver

@@ -28,7 +28,7 @@ def offers(threads: int) -> dict[tuple[str, str], Callable[[dict[str, Any]], Any
     }
 
 
-def unit(given: dict[str, Any]) -> tuple[Any, Any, Any]:
+def convert_problem(given: dict[str, Any]) -> tuple[Any, Any, Any]:
     """Return the geometry of one unit [mm], the wavelength, and the foci (K, M, 3) [mm]."""
     r = 1e3 * np.array(given["positions"])
     geometry = core.Geometry([core.Autd3(r[0], np.array([1.0, 0.0, 0.0, 0.0]))])
@@ -43,7 +43,7 @@ def unit(given: dict[str, Any]) -> tuple[Any, Any, Any]:
 
 def focus(given: dict[str, Any]) -> Any:
     """Prepare one pattern for each focus, at full intensity."""
-    geometry, length, foci = unit(given)
+    geometry, length, foci = convert_problem(given)
     phases = [pattern.PhaseBuffer(1) for _ in foci]
 
     def solve() -> None:
@@ -51,14 +51,14 @@ def focus(given: dict[str, Any]) -> Any:
             pattern.focus(geometry, place, length, buffer)
 
     def read_gains(output: None) -> Any:
-        return np.concatenate([turn(buffer) for buffer in phases]), foci
+        return np.concatenate([to_gains(buffer) for buffer in phases]), foci
 
     return solve, read_gains
 
 
 def gspat(given: dict[str, Any], option: Any) -> Any:
     """Prepare GS-PAT with its default options."""
-    geometry, length, foci = unit(given)
+    geometry, length, foci = convert_problem(given)
     phases, intensities = pattern.PhaseBuffer(1), pattern.IntensityBuffer(1)
 
     def solve() -> None:
@@ -66,11 +66,11 @@ def gspat(given: dict[str, Any], option: Any) -> Any:
         holo.gspat(geometry, asked, length, option, phases, intensities)
 
     def read_gains(output: None) -> Any:
-        return intensities.to_numpy().reshape(1, -1) / FULL * turn(phases), foci
+        return intensities.to_numpy().reshape(1, -1) / FULL * to_gains(phases), foci
 
     return solve, read_gains
 
 
-def turn(phases: Any) -> Any:
-    """Return gains (1, N) of phases; negated, because autd3's waves are exp(+jkr)."""
+def to_gains(phases: Any) -> Any:
+    """Return the gains (1, N) of phases. They are negated, because autd3's waves are exp(+jkr)."""
     return np.exp(-2j * np.pi / 256 * phases.to_numpy().reshape(1, -1))

@@ -10,7 +10,7 @@ import zmq
 import zmq.auth
 from msgspec.structs import replace
 
-from pacinian.serving.ipc.auth import make_key_pair
+from pacinian.serving.ipc.auth import make_client_keys, make_server_keys
 from pacinian.serving.settings import Network, Security
 from pacinian.wire.codec import encode
 from pacinian.wire.control import Arm, Stop
@@ -27,7 +27,7 @@ PROTOCOL = "protocol", "handshake"  # depends on which side closes the connectio
 
 @pytest.fixture
 def keys(tmp_path: Path) -> Path:
-    make_key_pair(tmp_path / "keys", "server", server=True)
+    make_server_keys(tmp_path / "keys")
     return tmp_path / "keys"
 
 
@@ -60,7 +60,7 @@ def test_the_connection_file_holds_keys_that_do(curve: Any) -> None:
 def test_a_key_is_let_in_as_soon_as_it_is_listed_and_no_more_once_it_is_not(
     logged: Any, curve: Any, keys: Path
 ) -> None:
-    public, secret = make_key_pair(keys, "tablet")
+    public, secret = make_client_keys(keys, "tablet")
     known = zmq.auth.load_certificate(secret)
     with_keys(curve, *known).hello("tablet")
     public.unlink()

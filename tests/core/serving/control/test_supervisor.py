@@ -30,7 +30,7 @@ from pacinian.serving.control.supervisor import (
 from pacinian.serving.ipc.hang_detection import (
     MAX_CHECK_GAP,
     SOUNDING_HANG_DIVISOR,
-    compute_hang_limit,
+    compute_sounding_hang_limit,
 )
 from pacinian.serving.ipc.logs import flush
 from pacinian.testing import ManualClock
@@ -389,9 +389,8 @@ def test_a_guard_that_may_sound_has_less_time(sound: bool) -> None:
 
 
 def test_no_guard_has_less_time_than_it_takes_to_give_a_sign_of_life() -> None:
-    assert compute_hang_limit(0.1, sound=True) == 0.1
-    assert compute_hang_limit(2.0, sound=True) == 0.25
-    assert compute_hang_limit(2.0, sound=False) == 2.0
+    assert compute_sounding_hang_limit(0.1) == 0.1
+    assert compute_sounding_hang_limit(2.0) == 0.25
 
 
 def test_a_guard_that_the_system_holds_is_replaced_as_soon_as_it_ends() -> None:

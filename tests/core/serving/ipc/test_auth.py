@@ -16,8 +16,9 @@ from pacinian.errors import ArgumentError, ServerError
 from pacinian.serving.ipc import auth
 from pacinian.serving.ipc.auth import (
     ClientAuthenticator,
-    make_key_pair,
+    make_client_keys,
     make_secrets,
+    make_server_keys,
     write_remote_connection,
 )
 from pacinian.serving.settings import Network, Security, Settings
@@ -37,8 +38,8 @@ def test_secret_keys_are_for_their_owner_only_whatever_the_umask(tmp_path: Path)
     before = os.umask(0o022)
     try:
         pairs = [
-            make_key_pair(tmp_path / "keys", "server", server=True),
-            make_key_pair(tmp_path / "keys", "tablet"),
+            make_server_keys(tmp_path / "keys"),
+            make_client_keys(tmp_path / "keys", "tablet"),
         ]
     finally:
         os.umask(before)
@@ -55,21 +56,21 @@ def test_secret_keys_are_for_their_owner_only_whatever_the_umask(tmp_path: Path)
 
 
 def test_keys_are_never_overwritten(tmp_path: Path) -> None:
-    make_key_pair(tmp_path, "tablet")
+    make_client_keys(tmp_path, "tablet")
     with pytest.raises(ServerError, match="already"):
-        make_key_pair(tmp_path, "tablet")
+        make_client_keys(tmp_path, "tablet")
 
 
 @pytest.mark.parametrize("name", ["", "a/b", "..", "x" * 65, "a b", "server", "\0"])
 def test_names_that_are_no_files_are_refused(tmp_path: Path, name: str) -> None:
     with pytest.raises(ArgumentError):
-        make_key_pair(tmp_path, name)
+        make_client_keys(tmp_path, name)
 
 
 def test_a_folder_that_cannot_be_written_is_an_error(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     with pytest.raises(ServerError):
-        make_key_pair(tmp_path / "file", "tablet")
+        make_client_keys(tmp_path / "file", "tablet")
 
 
 def test_on_loopback_each_run_has_a_token_of_its_own() -> None:
@@ -83,7 +84,7 @@ def test_elsewhere_the_servers_keys_are_read_and_a_local_client_is_made(tmp_path
     settings = Settings(network=Network(host="0.0.0.0"), security=Security(str(tmp_path)))
     with pytest.raises(ServerError, match="pacinian keys server"):
         make_secrets(settings)
-    public, secret = make_key_pair(tmp_path, "server", server=True)
+    public, secret = make_server_keys(tmp_path)
     first, second = make_secrets(settings), make_secrets(settings)
     assert first["server_key"] == second["server_key"] == load_certificate(public)[0].decode()
     assert first["secret_key"] != second["secret_key"]
@@ -94,14 +95,14 @@ def test_elsewhere_the_servers_keys_are_read_and_a_local_client_is_made(tmp_path
 
 
 def test_the_allow_list_is_read_again_when_it_changes(tmp_path: Path) -> None:
-    make_key_pair(tmp_path, "server", server=True)
+    make_server_keys(tmp_path)
     settings = Settings(network=Network(host="0.0.0.0"), security=Security(str(tmp_path)))
     secrets = make_secrets(settings)
     with zmq.Context() as context:
         gate = ClientAuthenticator(context, secrets, str(tmp_path))
         assert gate.callback("", secrets["public_key"].encode())
         assert not gate.callback("", zmq.curve_keypair()[0])
-        public, _ = make_key_pair(tmp_path, "tablet")
+        public, _ = make_client_keys(tmp_path, "tablet")
         key = load_certificate(public)[0]
         assert gate.callback("", key)
         assert gate.name_user(key.decode()) == "tablet"
@@ -118,8 +119,8 @@ def test_the_allow_list_is_read_again_when_it_changes(tmp_path: Path) -> None:
 
 
 def test_a_connection_file_for_another_machine(tmp_path: Path) -> None:
-    make_key_pair(tmp_path, "server", server=True)
-    make_key_pair(tmp_path, "tablet")
+    make_server_keys(tmp_path)
+    make_client_keys(tmp_path, "tablet")
     path = write_remote_connection(tmp_path, "tablet", "10.0.0.7", (1, 2, 3))
     made = Connection.read(path)
     assert (made.control, made.command, made.state) == tuple(

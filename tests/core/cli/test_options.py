@@ -8,8 +8,8 @@ import click
 import pytest
 from click.testing import CliRunner
 
-from pacinian.cli.finite_range import FiniteRange
 from pacinian.cli.main import cli
+from pacinian.cli.options import FiniteRange
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""The promises, stated once, for the command and for the tests."""
+"""The guarantees, stated once, for the command and for the tests."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ EVERY = {
     "late": f"returns by the deadline, plus {TOLERANCE_TIME:g} s,"
     f" plus {MAX_WORK:g} times the time for B and B B^H in double precision",
 }
-"""Promises of every solver, also of other plug-ins. A solver may refuse `quiet` and `exact` (UnsupportedLimit)."""
+"""Guarantees of every solver, also of other plug-ins. A solver may refuse `quiet` and `exact` (UnsupportedLimit)."""
 
 OURS = {
     "answers": f"never `failed`; done before a deadline of {DEFAULT_DEADLINE:g} s or more (at most"
@@ -48,13 +48,13 @@ OURS = {
     " point with a target, unless silence is near the best",
     "near": "the residual is within a factor of the best that the precision allows (`Near`)",
 }
-"""Further promises, of the solvers in `PROMISES`."""
+"""Further guarantees, of the solvers in `GUARANTEES`."""
 
 PROPAGATOR = {
     "drift": "after any moves B equals a new propagator's bit by bit,"
     f" and its Gram matrix to {TOLERANCE_GRAM:g}",
 }
-"""Promises of the propagator that the solvers share."""
+"""Guarantees of the propagator that the solvers share."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class Near:
     answer is judged at its best multiple. mu: relative to trace(B B^H) / M. rounding: (||E|| + max(M, N) eps ||B||)^2,
     where E is the possible rounding error of B (`Case.rounding`), because the precision of B limits what a solver can
     know. Within a limit the bracket is at least 1e-7 ||p||, because bounds are not known more precisely. free: also
-    promised if phases are free, for the phases found. With regions, p has the phases given to the solver, mu is
+    guaranteed if phases are free, for the phases found. With regions, p has the phases given to the solver, mu is
     `mu_regions`, and the bracket is at least `enough` times ||p||, because samples closer than the array resolves need
     no more.
     """
@@ -80,8 +80,8 @@ class Near:
 
 
 @dataclass(frozen=True)
-class Promise:
-    """The promises of one solver besides `EVERY`, for at most `samples` samples."""
+class Guarantee:
+    """The guarantees of one solver besides `EVERY`, for at most `samples` samples."""
 
     answers: bool = False
     near: Near | None = None
@@ -89,24 +89,24 @@ class Promise:
 
 
 SILENCE = Near(factor=3.0, limited=False)
-LAGRANGE = Promise(
+LAGRANGE = Guarantee(
     answers=True,
     near=Near(factor=1.2, limited=True, mu=1e-6, free=True, mu_regions=5e-3, enough=5e-3),
 )
-PROMISES = {
+GUARANTEES = {
     "auto": LAGRANGE,
     "lagrange": LAGRANGE,
     # The largest residual in 8,000 random problems was 2.8 times the best (docs/stability.md).
-    "pseudo-inverse": Promise(answers=True, near=Near(factor=5.0, limited=False)),
-    "single-focus": Promise(answers=True, near=Near(factor=1.1, limited=True), samples=1),
-    "gs": Promise(answers=True),
-    "gs-pat": Promise(answers=True),
-    "weighted-gs": Promise(answers=True),
-    "greedy": Promise(answers=True),
-    "lbfgs": Promise(answers=True),
+    "pseudo-inverse": Guarantee(answers=True, near=Near(factor=5.0, limited=False)),
+    "single-focus": Guarantee(answers=True, near=Near(factor=1.1, limited=True), samples=1),
+    "gs": Guarantee(answers=True),
+    "gs-pat": Guarantee(answers=True),
+    "weighted-gs": Guarantee(answers=True),
+    "greedy": Guarantee(answers=True),
+    "lbfgs": Guarantee(answers=True),
 }
 
 
-def get_promise(solver: str) -> Promise:
-    """Return the promises of the solver of this name. Unknown solvers promise only `EVERY`."""
-    return PROMISES.get(solver, Promise())
+def get_guarantee(solver: str) -> Guarantee:
+    """Return the guarantees of the solver of this name. Unknown solvers guarantee only `EVERY`."""
+    return GUARANTEES.get(solver, Guarantee())

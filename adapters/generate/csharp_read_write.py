@@ -1,4 +1,4 @@
-"""Generates the C# code that writes and reads a field of each type."""
+"""Generates the C# statements that read and write a field, for each type."""
 
 from __future__ import annotations
 

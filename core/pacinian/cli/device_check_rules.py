@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 MIN_TRANSDUCER_SPACING = 0.008  # least plausible distance of transducers [m]
 # Largest plausible ratio of a channel's strength to that of its kind, or inverse.
 MAX_STRENGTH_RATIO = 2.0
-BAND = 39_000.0, 41_000.0  # band in which a T4010A1 is strong [Hz]
+T4010A1_BAND = 39_000.0, 41_000.0  # band in which a T4010A1 is strong [Hz]
 
 
 def check_description(device: DeviceDescription) -> list[Finding]:
@@ -28,8 +28,8 @@ def check_description(device: DeviceDescription) -> list[Finding]:
     count, boards = _count(len(array), "transducer"), _count(len(device.boards), "board")
     text = f"{count} on {boards}, {size} mm"
     found = [Finding("array", "ok", text)]
-    found += [_board(board) for board in device.boards]
-    found += [_places(device), _frequency(device)]
+    found += [_check_board(board) for board in device.boards]
+    found += [_check_spacing(device), _check_frequency(device)]
     return found
 
 
@@ -37,7 +37,7 @@ def _count(number: int, noun: str) -> str:
     return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
 
 
-def _board(board: Board) -> Finding:
+def _check_board(board: Board) -> Finding:
     L, size = board.layout.count, np.abs(board.responses)
     dead = np.setdiff1d(np.arange(L), board.alive)
     odd = board.alive[
@@ -54,7 +54,7 @@ def _board(board: Board) -> Finding:
     return Finding(_name(board), "ok", text)
 
 
-def _places(device: DeviceDescription) -> Finding:
+def _check_spacing(device: DeviceDescription) -> Finding:
     from scipy.spatial import KDTree
 
     owners: list[str] = []
@@ -71,14 +71,14 @@ def _places(device: DeviceDescription) -> Finding:
     return Finding("places", "problem", text, "correct the boards' poses and layouts")
 
 
-def _frequency(device: DeviceDescription) -> Finding:
+def _check_frequency(device: DeviceDescription) -> Finding:
     f, text = device.transducer.frequency, f"{device.transducer.frequency / 1e3:g} kHz"
-    if device.transducer.directivity == "t4010a1" and not BAND[0] <= f <= BAND[1]:
+    if device.transducer.directivity == "t4010a1" and not T4010A1_BAND[0] <= f <= T4010A1_BAND[1]:
         return Finding("frequency", "warning", text, "a T4010A1 is made for 40 kHz")
     return Finding("frequency", "ok", text)
 
 
-def calibration(device: DeviceDescription, measured: Collection[tuple[str, int]]) -> Finding:
+def check_calibration(device: DeviceDescription, measured: Collection[tuple[str, int]]) -> Finding:
     """Check that all live channels were measured. measured: serial and number of each measured channel."""
     left = [
         f"{board.serial} {c}".strip()
@@ -93,7 +93,7 @@ def calibration(device: DeviceDescription, measured: Collection[tuple[str, int]]
     return Finding("calibration", "ok", f"{len(measured)} channels measured")
 
 
-def levels(device: DeviceDescription, can: Capability) -> Finding:
+def check_levels(device: DeviceDescription, can: Capability) -> Finding:
     """Check the described levels against those of the backend."""
     given = device.levels
     if given and (given.phases, given.amplitudes) != (can.phases, len(can.sizes)):

@@ -1,7 +1,11 @@
-"""Types of options and arguments that must not be empty: scripts pass "" for a variable that is not set."""
+"""Types of options and arguments, and the option `--connection`.
+
+No value may be empty: scripts pass "" for a variable that is not set.
+"""
 
 from __future__ import annotations
 
+import math
 import os
 from typing import TYPE_CHECKING
 
@@ -11,6 +15,19 @@ if TYPE_CHECKING:
     from typing import Any
 
 EMPTY = "must not be empty."
+
+
+class FiniteRange(click.FloatRange):
+    """Like `click.FloatRange`, which accepts NaN, because NaN is neither below the minimum nor above the maximum."""
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        """Return the number. Raises BadParameter."""
+        number = float(super().convert(value, param, ctx))
+        if not math.isfinite(number):
+            self.fail(f"{value} is not a finite number.", param, ctx)
+        return number
 
 
 class NonEmptyText(click.types.StringParamType):
@@ -41,3 +58,10 @@ class NonEmptyPath(click.Path):
 
 TEXT = NonEmptyText()
 PATH = NonEmptyPath()
+CONNECTION = click.option(
+    "--connection",
+    default=None,
+    type=PATH,
+    metavar="FILE",
+    help="The server's connection file.  [default: $PACINIAN_CONNECTION, or the server's default]",
+)

@@ -64,10 +64,10 @@ def compute_envelope(
     return e.reshape(-1, q.shape[-2]), held * rate
 
 
-def measure_audible(e: Floats, sampling: float, *, weighted: bool = False) -> Floats:
-    """Return the energy of an envelope from 20 Hz to 20 kHz, relative to its mean square, (M,) [dB]; -inf for none.
+def measure_audible(e: Floats, sampling: float) -> Floats:
+    """Return the A-weighted energy of an envelope relative to its mean square, (M,) [dB]; -inf for none.
 
-    e: |p|^2, (S, M) [Pa^2]. sampling: its sampling rate [Hz]. weighted: apply the A-weighting, `weigh_a`. Energy and
+    e: |p|^2, (S, M) [Pa^2]. sampling: its sampling rate [Hz]. The energy is that from 20 Hz to 20 kHz. Energy and
     mean square use a Hann window, so that the phase at which e starts and ends does not matter. e must last some tenths
     of a second, to separate 20 Hz from slow motion.
     """
@@ -76,9 +76,7 @@ def measure_audible(e: Floats, sampling: float, *, weighted: bool = False) -> Fl
     window = get_window("hann", len(e))
     frequency, power = periodogram(e, sampling, window="hann", detrend="constant", axis=0)
     heard = (frequency >= BAND[0]) & (frequency <= BAND[1])
-    power, frequency = power[heard], frequency[heard]
-    if weighted:
-        power = power * 10.0 ** (weigh_a(frequency)[:, None] / 10.0)
+    power = power[heard] * 10.0 ** (weigh_a(frequency[heard])[:, None] / 10.0)
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = power.sum(axis=0) * sampling / len(e) * (window @ window) / (window**2 @ e**2)
         return np.asarray(10.0 * np.log10(np.nan_to_num(ratio)))

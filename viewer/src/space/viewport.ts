@@ -1,4 +1,4 @@
-/** Camera and renderer. A frame is drawn only when something has changed. */
+/** The viewport: its camera, renderer and canvas. It draws a frame only when something has changed. */
 
 import {
   Box3,
@@ -25,7 +25,7 @@ const ROUNDS = 5; // number of iterations to fit a box
 const STAYS = 0.12; // distance by which a box may leave the fitted one before the view follows, over its diagonal
 const TURNS = 1.15; // factor by which the view must lie more along another axis before that one faces the user
 
-export class View {
+export class Viewport {
   readonly scene = new Scene();
   readonly camera = new PerspectiveCamera(FOV, 1, 0.02, 30);
   readonly size = new Vector2(1, 1);
