@@ -9,18 +9,20 @@ import pytest
 from . import tools
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from types import ModuleType
 
 
-@pytest.fixture
-def table(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
-    monkeypatch.syspath_prepend(tools.ADAPTERS / "generate")
-    import features_table  # type: ignore[import-not-found]
+@pytest.fixture(scope="module")
+def table() -> Iterator[ModuleType]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(tools.ADAPTERS / "generate")
+        import features_table  # type: ignore[import-not-found]
 
-    return features_table  # type: ignore[no-any-return]
+        yield features_table
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def model(table: ModuleType) -> Any:
     import wire  # type: ignore[import-not-found]
 

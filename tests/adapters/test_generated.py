@@ -61,12 +61,13 @@ def is_generated(path: Path) -> bool:
     return "generated" in head and "do not edit" in head
 
 
-@pytest.fixture
-def model(monkeypatch: pytest.MonkeyPatch) -> Any:
-    monkeypatch.syspath_prepend(GENERATE)
-    import wire  # type: ignore[import-not-found]
+@pytest.fixture(scope="module")
+def model() -> Any:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(GENERATE)
+        import wire  # type: ignore[import-not-found]
 
-    return wire.read()
+        return wire.read()
 
 
 def test_every_class_is_in_the_model_with_all_its_fields(model: Any) -> None:

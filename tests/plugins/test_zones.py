@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats
 
 ARRAY, NINE, AIR = pc.autd(), pc.autd(3, 3), pc.Air()
+UNITS = {1: ARRAY, 2: pc.autd(1, 2), 4: pc.autd(2, 2), 9: NINE}
 SOLVERS = [offer.name for offer in discover_plugins().list() if offer.kind == "solver"]
 POINTS = np.array([[0.0, 0.0, 0.2], [0.03, 0.02, 0.2], [-0.03, 0.03, 0.22]])
 EAR = pc.Zone(position=(0.1, 0.0, 0.25), pressure=2.0, radius=0.015)
@@ -95,15 +96,16 @@ def test_the_excess_is_that_over_the_limit_however_low(pressure: float) -> None:
 
 
 def test_a_head_is_quiet_and_the_foci_are_as_strong() -> None:
-    head = pc.Zone(position=(0.0, -0.45, 0.5), pressure=2.0, radius=0.12)
-    session = pc.Session(NINE, AIR)
-    found = session.solve(POINTS, [3000.0] * 3, limits=pc.Limits(zones=(head,)))
+    """Two units, because the time to prepare a zone grows with the square of their number."""
+    array, head = UNITS[2], pc.Zone(position=(0.0, -0.45, 0.5), pressure=2.0, radius=0.12)
+    session = pc.Session(array, AIR)
+    found = session.solve(POINTS, [2000.0] * 3, limits=pc.Limits(zones=(head,)))
     assert found.status is pc.Status.ok
     assert found.error < 1e-3
-    assert np.abs(pc.matrix(NINE, POINTS, AIR) @ found.gains) == pytest.approx(3000.0, rel=2e-3)
-    assert loudest(NINE, head, found.gains) < head.pressure
-    plain = pc.solve(NINE, POINTS, [3000.0] * 3)
-    assert loudest(NINE, head, plain.gains) > 50.0 * head.pressure
+    assert np.abs(pc.matrix(array, POINTS, AIR) @ found.gains) == pytest.approx(2000.0, rel=2e-3)
+    assert loudest(array, head, found.gains) < head.pressure
+    plain = pc.solve(array, POINTS, [2000.0] * 3)
+    assert loudest(array, head, plain.gains) > 50.0 * head.pressure
 
 
 def test_a_surface_stays_even_beside_a_zone() -> None:
@@ -113,30 +115,34 @@ def test_a_surface_stays_even_beside_a_zone() -> None:
     pressure = np.full(len(points), pc.sound_pressure(np.array(20.0), AIR))
     zone = pc.Zone(position=(0.15, 0.05, 0.25), pressure=2.0, radius=0.03)
     found = pc.solve(
-        NINE, points, pressure, regions=np.zeros(len(points), int), limits=pc.Limits(zones=(zone,))
-    )
+        UNITS[2], points, pressure, regions=np.zeros(len(points), int),
+        limits=pc.Limits(zones=(zone,)),
+    )  # fmt: skip
     assert found.status is pc.Status.ok
-    assert loudest(NINE, zone, found.gains) < zone.pressure
+    assert loudest(UNITS[2], zone, found.gains) < zone.pressure
     among = np.random.default_rng(2).uniform(-0.009, 0.009, (300, 2))
-    made = np.abs(pc.matrix(NINE, np.column_stack([among, np.full(300, 0.2)]), AIR) @ found.gains)
+    made = np.abs(
+        pc.matrix(UNITS[2], np.column_stack([among, np.full(300, 0.2)]), AIR) @ found.gains
+    )
     felt = (made / pressure[0]) ** 2
     assert felt.mean() == pytest.approx(1.0, abs=0.05)
     assert felt.std() < 0.1
 
 
 def test_a_surface_s_wave_does_not_go_on_to_a_head() -> None:
-    """With the wave that it has without a zone, four tenths of the force are missing."""
+    """With the wave that it has without a zone, a tenth of the force is missing."""
+    array = UNITS[4]
     axis = np.arange(-5, 6) * 0.0028
     disc = np.array([(x, y, 0.2) for x in axis for y in axis if math.hypot(x, y) < 0.0145])
-    head = pc.Zone(position=(0.0, -0.45, 0.5), pressure=2.0, radius=0.12)
+    head = pc.Zone(position=(0.0, -0.45, 0.5), pressure=2.0, radius=0.08)
     found = pc.solve(
-        NINE, disc, np.full(len(disc), pc.sound_pressure(np.array(10.0), AIR)),
+        array, disc, np.full(len(disc), pc.sound_pressure(np.array(10.0), AIR)),
         regions=np.zeros(len(disc), int), limits=pc.Limits(zones=(head,)),
     )  # fmt: skip
     (felt,) = found.felt
-    assert felt.force == pytest.approx(1.0, abs=0.08)
+    assert felt.force == pytest.approx(1.0, abs=0.05)
     assert felt.rms < 0.1
-    assert loudest(NINE, head, found.gains) < head.pressure
+    assert loudest(array, head, found.gains) < head.pressure
 
 
 @pytest.mark.parametrize("pressure", [1000.0, 2000.0])
@@ -310,7 +316,6 @@ def test_any_zone_stays_quiet(seed: int) -> None:
     assert np.abs(found.gains).max() <= 1.0
 
 
-UNITS = {1: ARRAY, 2: pc.autd(1, 2), 4: pc.autd(2, 2), 9: NINE}
 LIMITS: tuple[dict[str, float | None], ...] = (
     {},
     {"gain": None, "power": 30.0},

@@ -28,10 +28,11 @@ if TYPE_CHECKING:
 
 SETTINGS = Settings(
     array=Units(1, 1),
+    rate=250.0,
     log=Log(level="warning"),
     safety=Safety(lease=10.0, frame_timeout=1.0, hang_timeout=60.0, session_timeout=3600.0),
 )
-"""Long limits, so that nothing ends if the machine stops for a moment."""
+"""Long limits, so that nothing ends if the machine stops for a moment. Few ticks, because each takes processor time."""
 
 
 class Game:

@@ -35,19 +35,19 @@ CASES = {
 @functools.cache
 def throw(name: str) -> tuple[Any, Any]:
     """Amplitudes [Pa] and radiation pressures [Pa], (TRIALS, M), of dry air, from the textbook's equations."""
-    u, chance = CASES[name], np.random.default_rng(1)
+    u = CASES[name]
     r = np.sqrt(((Q[:, None] - R) ** 2).sum(axis=2))  # (M, N)
-    p, P = np.empty((TRIALS, M)), np.empty((TRIALS, M))
-    gain, phase = np.asarray(u.gain), np.asarray(u.phase)
-    for k in range(TRIALS):
-        strength = 3.0 * math.exp(u.pressure * chance.standard_normal())
-        kelvin = 293.15 + u.temperature * chance.standard_normal()
-        c = math.sqrt(1.4 * 8.314462618 * kelvin / 0.0289647)
-        rho = 101_325.0 * 0.0289647 / (8.314462618 * kelvin)
-        g = G * (1.0 + gain * chance.standard_normal(N))
-        g *= np.exp(1j * phase * chance.standard_normal(N))
-        p[k] = np.abs((strength / r * np.exp(-2j * math.pi * 40e3 / c * r)) @ g)
-        P[k] = p[k] ** 2 / (rho * c * c)
+    chance = np.random.default_rng(1)
+    air, transducers = chance.standard_normal((TRIALS, 2)), chance.standard_normal((TRIALS, 2, N))
+    strength = 3.0 * np.exp(u.pressure * air[:, 0])
+    kelvin = 293.15 + u.temperature * air[:, 1]
+    c = np.sqrt(1.4 * 8.314462618 * kelvin / 0.0289647)
+    rho = 101_325.0 * 0.0289647 / (8.314462618 * kelvin)
+    g = G * (1.0 + np.asarray(u.gain) * transducers[:, 0])
+    g *= np.exp(1j * np.asarray(u.phase) * transducers[:, 1])
+    wave = np.exp(-2j * math.pi * 40e3 / c[:, None, None] * r) / r  # (TRIALS, M, N)
+    p = strength[:, None] * np.abs((wave * g[:, None]).sum(axis=2))
+    P = p**2 / (rho * c * c)[:, None]
     return p, P
 
 
@@ -56,9 +56,9 @@ def test_monte_carlo_by_other_code_agrees(name: str) -> None:
     u = CASES[name]
     p, P = throw(name)
     for band, thrown in (
-        (pc.predict_sound_pressure(ARRAY, G, Q, u, AIR, samples=4000), p),
-        (pc.predict_radiation_pressure(ARRAY, G, Q, u, AIR, samples=4000), P),
-        (pc.predict_force(ARRAY, G, Q, AREAS, u, AIR, samples=4000), P @ AREAS),
+        (pc.predict_sound_pressure(ARRAY, G, Q, u, AIR, samples=2000), p),
+        (pc.predict_radiation_pressure(ARRAY, G, Q, u, AIR, samples=2000), P),
+        (pc.predict_force(ARRAY, G, Q, AREAS, u, AIR, samples=2000), P @ AREAS),
     ):
         deviation = thrown.std(axis=0)
         np.testing.assert_allclose(band.mean, thrown.mean(axis=0), atol=0.06 * deviation.max())
@@ -80,7 +80,7 @@ def test_what_is_known_has_no_band() -> None:
 
 def test_a_band_holds_its_share() -> None:
     _, P = throw("all")
-    for confidence in (0.5, 0.8, 0.99):
+    for confidence in (0.5, 0.99):
         band = pc.predict_radiation_pressure(
             ARRAY, G, Q, ALL, AIR, confidence=confidence, samples=4000
         )

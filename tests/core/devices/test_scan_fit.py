@@ -392,7 +392,7 @@ def test_numbers_of_files_that_cannot_be_are_refused(files: Any) -> None:
         fit_scan(**scan(), files=files)
 
 
-@pytest.mark.parametrize("scans", [20, pytest.param(40, marks=pytest.mark.deep)])
+@pytest.mark.parametrize("scans", [10, pytest.param(40, marks=pytest.mark.deep)])
 def test_an_array_that_is_further_off_than_was_said_has_wider_errors(scans: int) -> None:
     """Poses off by 3 times their errors: 95 % intervals of the scans hold nine of ten values, and say that they grew.
 

@@ -22,7 +22,7 @@ from pacinian_plugins.backends.simulated import Simulated
 if TYPE_CHECKING:
     from pacinian.rendering.solution_sequence import SolveResult
 
-AIR, ONE, NINE = pc.Air(), pc.autd(), pc.autd(3, 3)
+AIR, ONE, FOUR, NINE = pc.Air(), pc.autd(), pc.autd(2, 2), pc.autd(3, 3)
 TICK = 1e-3  # [s]
 HAND = pc.Hand.open("right", pc.Pose((0.0, 0.0, 0.21)))
 WEAKER, FAINT = "weaker than asked", "too faint to feel"
@@ -121,9 +121,13 @@ BAD: dict[str, tuple[Any, pc.Array, dict[str, Any]]] = {
     "edge of a box": (CONTACTS["edge of a box at a fingertip"], NINE, {}),
     "edge of a box, one unit": (CONTACTS["edge of a box at a fingertip"], ONE, {}),
     "two phases": (GOOD["disc at the palm"], NINE, {"backend": Simulated(phases=2)}),
-    "zone": (GOOD["disc at the palm"], NINE, {"limits": zone_at(0.012, 0.0, 0.195)}),
+    "zone": (GOOD["disc at the palm"], FOUR, {"limits": zone_at(0.012, 0.0, 0.195)}),
     "coarsened": (GOOD["disc at the palm"], NINE, {"sampler": pc.Sampler(40, ramp=0.005)}),
 }
+
+
+def test_the_array_that_a_zone_disturbs_is_large_enough_without_it() -> None:
+    assert render(GOOD["disc at the palm"](), FOUR, ticks=20).report.as_asked
 
 
 @pytest.mark.parametrize("name", list(BAD))

@@ -1,5 +1,7 @@
 """The pressure limit holds on skin, also at points that the renderer did not evaluate."""
 
+from copy import deepcopy
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -31,16 +33,25 @@ Array = np.ndarray[Any, Any]
 
 def press(gains: Array, q: Array, weights: Array) -> Array:
     """Return the radiation pressure along the normals of skin, by the equations, (M,) [Pa]. weights: (M, N)."""
+    return square(hear(q, weights), gains)
+
+
+def hear(q: Array, weights: Array) -> Array:
+    """Return B at points of skin, (M, N), times the weights."""
     kind = ONE.transducer
-    P, heard = np.zeros(len(q)), weights.any(axis=1)
+    B, heard = np.zeros(weights.shape, complex), weights.any(axis=1)
     d = q[heard, None] - ONE.positions
     r = np.sqrt((d * d).sum(axis=2))
     D = kind.directivity(np.maximum((d * ONE.normals).sum(axis=2) / r, 0.0))
     k, beta = AIR.wavenumber(kind.frequency), AIR.beta(kind.frequency)
-    B = kind.pressure * D * np.exp((-1j * k - beta) * r) * r**-AIR.exponent
-    p = np.abs((weights[heard] * B) @ gains.astype(complex))
-    P[heard] = pc.radiation_pressure(p, AIR)
-    return P
+    wave = kind.pressure * D * np.exp((-1j * k - beta) * r) * r**-AIR.exponent
+    B[heard] = weights[heard] * wave
+    return B
+
+
+def square(B: Array, gains: Array) -> Array:
+    """Return the radiation pressure, (M,) [Pa], of B, (M, N), and gains."""
+    return np.asarray(pc.radiation_pressure(np.abs(B @ gains.astype(complex)), AIR))
 
 
 def find_normals(capsules: Array, q: Array) -> Array:
@@ -88,14 +99,22 @@ def weigh_near(q: Array, n: Array, capsules: Array, places: Array) -> Array:
     return w
 
 
-def highest(gains: Array, hand: pc.Hand, seed: int, others: tuple[pc.Hand, ...] = ()) -> float:
-    """Return the highest pressure at random points of the skin [Pa]. others: hands that also cast a shadow."""
+@lru_cache(maxsize=1)  # several gains are heard at the same skin, one after the other
+def look_everywhere(hand: pc.Hand, seed: int) -> tuple[Array, Array, Array, np.random.Generator]:
+    """Return random points of the skin, their capsules, B as if nothing were in the way, and what made them."""
     rng, capsules = np.random.default_rng(seed), make_capsules(hand)
-    shadow = np.concatenate([capsules, *(make_capsules(other) for other in others)])
     own = np.repeat(capsules, 300, axis=0)
     middle = own[:, :3] + rng.uniform(0, 1, (len(own), 1)) * (own[:, 3:6] - own[:, :3])
     q, n, own = on_skin(capsules, own, middle + 0.1 * rng.normal(size=middle.shape))
-    P = press(gains, q, weigh(q, n, np.empty((0, 8))))  # where it is high if nothing is in the way
+    return q, own, hear(q, weigh(q, n, np.empty((0, 8)))), rng
+
+
+def highest(gains: Array, hand: pc.Hand, seed: int, others: tuple[pc.Hand, ...] = ()) -> float:
+    """Return the highest pressure at random points of the skin [Pa]. others: hands that also cast a shadow."""
+    q, own, B, rng = look_everywhere(hand, seed)
+    capsules, rng = make_capsules(hand), deepcopy(rng)
+    shadow = np.concatenate([capsules, *(make_capsules(other) for other in others)])
+    P = square(B, gains)  # where it is high if nothing is in the way
     for width in (2e-3, 7e-4):
         best = np.argsort(P)[-NEAR:]
         places, around = q[best], np.repeat(q[best], 25, axis=0)

@@ -8,23 +8,28 @@ import pytest
 
 import pacinian as pc
 from pacinian_lab.stress import cases, guarantees, run
+from pacinian_lab.stress.case import Case
 from pacinian_lab.stress.check import Evidence
 
-ALL = cases.cases()
 PAGE = (Path(__file__).parents[3] / "docs" / "stability.md").read_text()
 
 
-def test_every_problem_has_a_name_of_its_own_and_is_found_by_it() -> None:
-    assert len({case.name for case in ALL}) == len(ALL) > 700
-    assert {case.name.partition(":")[0] for case in ALL} == set(cases.FAMILIES)
-    assert cases.find(ALL[5].name).name == ALL[5].name
+@pytest.fixture(scope="module")
+def every() -> list[Case]:
+    return cases.cases()
 
 
-def test_a_quick_run_has_some_of_each_family_and_nothing_slow() -> None:
+def test_every_problem_has_a_name_of_its_own_and_is_found_by_it(every: list[Case]) -> None:
+    assert len({case.name for case in every}) == len(every) > 700
+    assert {case.name.partition(":")[0] for case in every} == set(cases.FAMILIES)
+    assert cases.find(every[5].name).name == every[5].name
+
+
+def test_a_quick_run_has_some_of_each_family_and_nothing_slow(every: list[Case]) -> None:
     quick = cases.cases(quick=True)
     assert {case.name.partition(":")[0] for case in quick} == set(cases.FAMILIES)
     assert not any(case.slow for case in quick)
-    assert len(quick) < len(ALL) / 3
+    assert len(quick) < len(every) / 3
 
 
 @pytest.mark.parametrize(
@@ -41,8 +46,8 @@ def test_a_quick_run_has_some_of_each_family_and_nothing_slow() -> None:
         "1e16",
     ],
 )
-def test_the_problems_reach_as_far_as_is_said(figure: str) -> None:
-    assert any(f" {figure}" in case.name for case in ALL)
+def test_the_problems_reach_as_far_as_is_said(every: list[Case], figure: str) -> None:
+    assert any(f" {figure}" in case.name for case in every)
 
 
 def test_the_page_has_every_family_and_every_guarantee() -> None:
