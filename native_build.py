@@ -42,7 +42,13 @@ COMMON = (
 )  # fmt: skip
 # With sanitizers. What one finds ends the process, with the lines that led there: for these, -g1 is enough.
 LINES = "-g1"
-SANITIZED = "-fno-sanitize-recover=all", "-fno-omit-frame-pointer", LINES, "-O1", "-fno-unroll-loops"
+SANITIZED = (
+    "-fno-sanitize-recover=all",
+    "-fno-omit-frame-pointer",
+    LINES,
+    "-O1",
+    "-fno-unroll-loops",
+)
 # Modules by their set of instructions: AVX-512; AVX2 and FMA; what every x86-64 processor has.
 X86_LEVELS = {"_v4": "v4", "_v3": "v3", "_plain": ""}
 OTHER_LEVELS = {"_plain": ""}
