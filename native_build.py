@@ -40,8 +40,15 @@ SAFE = "-O2", "-fno-fast-math"
 COMMON = (
     "-std=c++17", "-fPIC", "-fvisibility=hidden", "-DNDEBUG", "-DNB_COMPACT_ASSERTIONS", "-Wall", "-Wextra",
 )  # fmt: skip
-# With sanitizers. What one finds ends the process.
-SANITIZED = "-fno-sanitize-recover=all", "-fno-omit-frame-pointer", "-g", "-O1"
+# With sanitizers. What one finds ends the process, with the lines that led there: for these, -g1 is enough.
+LINES = "-g1"
+SANITIZED = (
+    "-fno-sanitize-recover=all",
+    "-fno-omit-frame-pointer",
+    LINES,
+    "-O1",
+    "-fno-unroll-loops",
+)
 # Modules by their set of instructions: AVX-512; AVX2 and FMA; what every x86-64 processor has.
 X86_LEVELS = {"_v4": "v4", "_v3": "v3", "_plain": ""}
 OTHER_LEVELS = {"_plain": ""}
@@ -209,7 +216,7 @@ def _link(compiler: Compiler, objects: list[Path], target: Path, options: list[s
     made = target.with_name(f"{target.name}.{os.getpid()}")
     target.parent.mkdir(parents=True, exist_ok=True)
     strip = ["-undefined", "dynamic_lookup"] if sys.platform == "darwin" else ["-s"]
-    strip = [] if "-g" in options else strip
+    strip = [] if LINES in options else strip
     try:
         _run_compiler([*compiler.command, "-shared", *strip, *options, *objects, "-o", made])
         made.replace(target)

@@ -13,7 +13,7 @@ from pacinian_lab.server.faults.server import Server
 from ..core.client.fake_server import Fake
 from . import tools
 from .blockable_link import BlockableLink
-from .game import HELD, Game, begin, sound, wait_until_free
+from .game import HELD, RATE, Game, begin, sound, wait_until_free
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -71,7 +71,7 @@ def file(server: Fake, wire: BlockableLink, tmp_path: Path) -> Path:
 @pytest.fixture(scope="module")
 def real(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
     """Return a server of real processes, whose device records when it sounded."""
-    with Server(tmp_path_factory.mktemp("server"), HELD) as made:
+    with Server(tmp_path_factory.mktemp("server"), HELD, RATE) as made:
         yield made
 
 

@@ -35,6 +35,7 @@ HEAVY = 120  # more objects than the sockets take
 LEASE = 0.25  # [s], requested by a game whose lease is to end
 # of a server: the longest that it may have, so that neither a busy machine nor what ends a session lets a lease end
 HELD = "[safety]\nlease = 10.0\nframe_timeout = 1.0\n"
+RATE = 125.0  # [Hz] of frames, of which no client knows; at 1 kHz, the server works more than the games
 
 
 class Game:

@@ -25,7 +25,10 @@ if TYPE_CHECKING:
 
     Start = Callable[..., Game]
 
-pytestmark = pytest.mark.deep("cmake", "ninja", "g++", "pkg-config")
+pytestmark = [
+    pytest.mark.deep("cmake", "ninja", "g++", "pkg-config"),
+    pytest.mark.timeout(600.0),  # in all, they take long
+]
 
 PURE = "client_outbox", "client_session", "client_felt", "client_digest", "client_handlers"
 ONLY = {"csharp_core", "csharp_driver"}  # fixtures for C# alone
@@ -84,7 +87,7 @@ def test_its_threads_do_not_race(server: Fake, game: Game) -> None:
 @pytest.fixture(scope="module")
 def with_libzmq() -> Path:
     """Return a game that was built with libzmq."""
-    settings = "-DPACINIAN_LIBZMQ=ON", *tools.RACES, tools.JOINED
+    settings = "-DPACINIAN_LIBZMQ=ON", *tools.RACES, *tools.JOINED
     return tools.cmake("libzmq", ["client_answers"], *settings) / "client_answers"
 
 

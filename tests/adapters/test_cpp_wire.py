@@ -31,7 +31,7 @@ ANSWERS = "vectors_answers", "space_answers"
 @pytest.fixture(scope="module")
 def programs() -> Path:
     """Return the folder of the test programs, which abort at invalid addresses and undefined behaviour."""
-    return tools.cmake("sanitized", [*TESTS, *ANSWERS], "-DPACINIAN_SANITIZE=ON", tools.JOINED)
+    return tools.cmake("sanitized", [*TESTS, *ANSWERS], "-DPACINIAN_SANITIZE=ON", *tools.JOINED)
 
 
 @pytest.mark.parametrize("name", TESTS)

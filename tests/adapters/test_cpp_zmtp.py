@@ -40,7 +40,7 @@ globals().update(
 def programs() -> Path:
     """Return the folder of the programs, which abort at invalid addresses and undefined behaviour."""
     targets = [*PURE, "zmtp_fuzz", "zmtp_answers"]
-    return tools.cmake("sanitized", targets, "-DPACINIAN_SANITIZE=ON", tools.JOINED)
+    return tools.cmake("sanitized", targets, "-DPACINIAN_SANITIZE=ON", *tools.JOINED)
 
 
 @pytest.fixture

@@ -79,7 +79,8 @@ def test_a_wrong_option_is_named(
 ) -> None:
     with start(real.file, **wrong) as game:
         game.do("start")
-        assert field in game.until(lambda s: s["status"] == "Refused")["problem"].lower()
+        # on a busy machine, the handshake may take too long at first, which is told in the same way
+        game.until(lambda s: s["status"] == "Refused" and field in s["problem"].lower())
 
 
 @pytest.mark.parametrize("player", [LEASE], indirect=True)

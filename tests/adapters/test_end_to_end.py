@@ -12,7 +12,7 @@ from pacinian_lab.server.faults.server import Server
 
 from ..waiting import eventually
 from . import tools
-from .game import HELD, Game, look, wait_for_silence, wait_until_free
+from .game import HELD, RATE, Game, look, wait_for_silence, wait_until_free
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -24,7 +24,7 @@ SPARE = 4.0  # [bytes] per frame, for a text in the state that changes sometimes
 
 @pytest.fixture
 def server(tmp_path: Path) -> Any:
-    with Server(tmp_path, HELD) as made:
+    with Server(tmp_path, HELD, RATE) as made:
         yield made
 
 

@@ -22,6 +22,7 @@ from . import tools, unity
 from .game import (
     HELD,
     LEASE,
+    RATE,
     Game,
     count_parts,
     find_server,
@@ -49,7 +50,7 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> unity.Built:
 
 @pytest.fixture(scope="module")
 def real(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
-    with Server(tmp_path_factory.mktemp("server"), HELD) as made:
+    with Server(tmp_path_factory.mktemp("server"), HELD, RATE) as made:
         yield made
 
 

@@ -21,6 +21,7 @@ from . import tools, unreal
 from .game import (
     HELD,
     LEASE,
+    RATE,
     Game,
     count_parts,
     kill,
@@ -56,7 +57,7 @@ def program() -> Path:
 @pytest.fixture(scope="module")
 def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
     """Return one server for all tests; a test that kills it starts it again."""
-    with Server(tmp_path_factory.mktemp("server"), HELD) as running:
+    with Server(tmp_path_factory.mktemp("server"), HELD, RATE) as running:
         yield running
 
 

@@ -72,7 +72,7 @@ OVER_TCP = [case for case in CASES if not {"time", "sends"} & {what for what, _ 
 def start(request: pytest.FixtureRequest) -> Callable[[str, str, str], Game]:
     """Return a function that starts a socket: of a kind, for an address, with a password."""
     if request.param == "cpp":
-        settings = "-DPACINIAN_SANITIZE=ON", tools.JOINED
+        settings = "-DPACINIAN_SANITIZE=ON", *tools.JOINED
         program = [tools.cmake("sanitized", ["zmtp_answers"], *settings) / "zmtp_answers"]
     else:
         program = ["mono", "--debug", request.getfixturevalue("driver")]

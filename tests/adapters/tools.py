@@ -21,7 +21,8 @@ CSHARP = ADAPTERS / "csharp"
 SERVER_SIDE = CSHARP / "tests" / "ServerSide"  # reads what a client sends, writes what it receives
 CPP = ADAPTERS / "cpp"
 LIMIT = 550.0  # [s] for a compiler
-JOINED = "-DCMAKE_UNITY_BUILD=ON"  # sources compiled together, as Unreal does, which is faster
+# sources compiled together, as Unreal does, all of a library at once, which is faster
+JOINED = "-DCMAKE_UNITY_BUILD=ON", "-DCMAKE_UNITY_BUILD_BATCH_SIZE=0"
 # programs with threads are built once, and ThreadSanitizer watches them in all tests
 RACES = "-DCMAKE_BUILD_TYPE=None", "-DCMAKE_CXX_FLAGS=-O1 -g1 -fsanitize=thread"
 WATCHED = {"TSAN_OPTIONS": "exitcode=66"}
@@ -78,7 +79,7 @@ def cmake(kind: str, targets: Iterable[str], *settings: str, source: Path = CPP)
 
 def watched(*targets: str) -> Path:
     """Return the folder with `play` of the Unreal plugin's stubs; the client's programs are in its folder `core`."""
-    return cmake("watched", targets, *RACES, JOINED, source=CPP / "stubs")
+    return cmake("watched", targets, *RACES, *JOINED, source=CPP / "stubs")
 
 
 def read_examples(page: Path, language: str, having: str) -> list[str]:

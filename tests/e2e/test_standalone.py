@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Generator
     from types import ModuleType
 
-pytestmark = pytest.mark.deep("unshare", "chroot", "ldd")
+pytestmark = [pytest.mark.deep("unshare", "chroot", "ldd"), pytest.mark.timeout(900.0)]
 
 BUILD = Path(__file__).parents[2] / "packaging" / "standalone" / "build.py"
 LIMIT = 560.0  # [s]

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import pytest
 import zmq
+from msgspec.structs import replace
 
 import pacinian as pc
 from pacinian.client import link
@@ -32,15 +33,19 @@ SETTINGS = Settings(
     log=Log(level="warning"),
     safety=Safety(lease=10.0, frame_timeout=1.0, hang_timeout=60.0, session_timeout=3600.0),
 )
-"""Long limits, so that nothing ends if the machine stops for a moment. Few ticks, because each takes processor time."""
+"""Long limits, so that nothing ends if the machine stops for a moment."""
+CALM = replace(SETTINGS, rate=50.0, state_rate=20.0)
+"""For pages in a browser, which draw fewer frames than that. At 1 kHz, the server works more than the browser."""
 
 
 class Game:
     """Puts a ball, a plate and a point, and renews in a thread of its own. A context manager.
 
-    names: the objects that it puts. envelope: of the plate. moves: whether the plate moves. refused: error codes of the
-    server.
+    PACE: of its renewals [s]. names: the objects that it puts. envelope: of the plate. moves: whether the plate moves.
+    refused: error codes of the server.
     """
+
+    PACE = 0.02
 
     def __init__(
         self,
@@ -73,7 +78,7 @@ class Game:
             while not self._ended.is_set():
                 step += 1
                 try:
-                    client.hold(0.02)
+                    client.hold(self.PACE)
                     if self.moves:
                         client.move("plate", pc.Pose((0.03, 0.03, 0.15 + 1e-4 * (step % 100))))
                     if client.status().output == "sounding":
@@ -94,10 +99,16 @@ class Game:
         assert not self._thread.is_alive()
 
 
+class CalmGame(Game):
+    """A game that a page follows."""
+
+    PACE = 0.1
+
+
 @pytest.fixture(scope="module")
-def server() -> Iterator[Running]:
-    """Run a real server with one unit."""
-    with run_server(SETTINGS) as running:
+def server(request: pytest.FixtureRequest) -> Iterator[Running]:
+    """Run a real server with one unit, and the `SETTINGS` of the module, if it has some."""
+    with run_server(getattr(request.module, "SETTINGS", SETTINGS)) as running:
         yield running
 
 

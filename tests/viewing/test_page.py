@@ -19,7 +19,8 @@ import pacinian as pc
 from pacinian.testing.server import run_server
 
 from .browser import SMALL, seen
-from .conftest import SETTINGS, Game
+from .conftest import CALM
+from .conftest import CalmGame as Game
 from .test_live import cycles, mean_pressure
 from .watching import Page, viewer
 
@@ -32,8 +33,13 @@ if TYPE_CHECKING:
 
     from .browser import Seen
 
-pytestmark = [pytest.mark.deep("npm", "chromium"), pytest.mark.usefixtures("patient")]
+pytestmark = [
+    pytest.mark.deep("npm", "chromium"),
+    pytest.mark.usefixtures("patient"),
+    pytest.mark.timeout(600.0),  # in all, they take long
+]
 
+SETTINGS = CALM  # of the server
 ARRAY = pc.autd(1, 1)
 TINY = 480, 400  # [px]
 PHONE = 390, 844  # [px]
@@ -489,7 +495,7 @@ def test_a_server_that_is_killed_and_comes_back(browser: Browser, tmp_path: Path
         shown.until(lambda: "waiting" in shown.text("#gone"))
         assert shown.page.is_disabled("#arm")
         assert shown.page.is_enabled("#stop")
-        with run_server(SETTINGS) as first, Game(first.connection):
+        with run_server(CALM) as first, Game(first.connection):
             connection.symlink_to(first.connection)
             shown.until(lambda: "ball" in shown.get("objects") and shown.get("drive.mean") > 0.0)
             assert not shown.page.is_visible("#gone")
@@ -507,7 +513,7 @@ def test_a_server_that_is_killed_and_comes_back(browser: Browser, tmp_path: Path
         shown.until(lambda: "grayscale" in shown.page.evaluate(looks))
         assert "ball" in shown.get("objects")  # still visible
         connection.unlink()
-        with run_server(SETTINGS) as again:
+        with run_server(CALM) as again:
             connection.symlink_to(again.connection)
             shown.until(lambda: shown.get("link") == "live" and shown.get("output") == "silent")
             shown.until(lambda: not shown.get("objects"))

@@ -12,7 +12,8 @@ import pytest
 import pacinian as pc
 
 from .browser import seen, status
-from .conftest import Game
+from .conftest import CALM
+from .conftest import CalmGame as Game
 from .test_recorded import rendered
 from .watching import LIMIT, viewer
 
@@ -25,8 +26,13 @@ if TYPE_CHECKING:
 
     from .browser import Seen
 
-pytestmark = [pytest.mark.deep("npm", "chromium"), pytest.mark.usefixtures("patient")]
+pytestmark = [
+    pytest.mark.deep("npm", "chromium"),
+    pytest.mark.usefixtures("patient"),
+    pytest.mark.timeout(600.0),  # in all, they take long
+]
 
+SETTINGS = CALM  # of the server
 REACHED = {
     "record", "arm", "stop", "solver", "backend", "technique", "intensity", "slice-on", "axis", "slice-at",
     "slice-mm", "slice-size", "slice-follow", "over", "law", "scale", "surface-on", "level", "home", "follow", "help",

@@ -6,7 +6,7 @@
 const SAVED: Record<string, string> = {
   "solve, nothing moved": "The last solution still holds.",
   "solve, still under way": "A solve takes longer than a tick, and runs in the background: frames move evenly to its result.",
-  "solve, not due": "Frames are interpolated up to the next solution; about 100 solutions a second are enough.",
+  "solve, not due": "About 100 solutions a second are enough, and 20 for a scene at rest.",
   "solve, step of a modulation known": "This step of a modulation was solved before.",
   "drive, nothing changed": "The device already plays this frame.",
   "objects away from hands": "No hand is near these objects.",

@@ -41,17 +41,17 @@ DEVICES = Probe, Other, Simulated, Models
 class Server(Closeable):
     """`pacinian serve` in its own folder; a context manager that leaves no process running.
 
-    more: TOML to append to its configuration.
+    more: TOML to append to its configuration. rate: of frames [Hz].
     """
 
-    def __init__(self, folder: Path, more: str = "") -> None:
+    def __init__(self, folder: Path, more: str = "", rate: float = 1000.0) -> None:
         self.folder = folder
         self.file = folder / "connection.json"
         self.logs = tuple(Log(folder / kind.name) for kind in DEVICES)
         self.log = self.logs[0]
         self._environment = install(folder)
         self._configuration = folder / "server.toml"
-        self._configuration.write_text(CONFIGURATION + more, encoding="utf-8")
+        self._configuration.write_text(f"rate = {rate}\n{CONFIGURATION}{more}", encoding="utf-8")
         self._process: subprocess.Popen[bytes] | None = None
         self._seen: set[psutil.Process] = set()
         self._shared: set[Path] = set()
