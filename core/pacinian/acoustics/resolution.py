@@ -38,8 +38,17 @@ def resolution(array: Array, points: ArrayLike, medium: Air) -> Floats:
     """
     check_medium(medium)
     q = check_numbers("points", points, (None, 3))
+    return find_lobe(array, q, medium)[:, 0]
+
+
+def find_lobe(array: Array, q: Floats, medium: Air) -> Floats:
+    """Return the distances from foci at q, (M, 3) [m], to the end of their main lobe, (M, 2) [m].
+
+    First in the direction where it is shortest, as of `resolution`, then across it: for an elongated array, the main
+    lobe is wide along its short side. Raises PointOnTransducer.
+    """
     _, C = _spread(array, q, np.zeros_like(q), medium)
-    sigma = np.sqrt(np.maximum(np.linalg.eigvalsh(C)[:, -1], 0.0))
+    sigma = np.sqrt(np.maximum(np.linalg.eigvalsh(C)[:, :0:-1], 0.0))
     wavelength = medium.wavelength(array.transducer.frequency)
     with np.errstate(divide="ignore"):
         return np.asarray(wavelength / (2.0 * math.sqrt(3.0) * np.where(sigma > 1e-6, sigma, 0.0)))

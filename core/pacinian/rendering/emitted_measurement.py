@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 PLACES = 24  # number of places between samples in one measurement; many measurements are added
 PLACES_ON_SKIN = 48  # the same on touched skin, and beside it
+MIN_AREA = 1e-12  # smallest area that a sample with a region represents [m^2]
 SAMPLES = 48  # number of samples of a steered field in one measurement
 
 
@@ -56,8 +57,9 @@ class Probe:
             rest &= ~np.isin(objects, [i for i, item in enumerate(items) if stays_on_skin(item)])
         if not rest.any():
             return found
+        area = np.where(rest, np.maximum(samples.area, MIN_AREA), 0.0)
         places = FeltPlaces.random_places(
-            samples.positions, targets, facing, PLACES, self._rng, rest
+            samples.positions, targets, facing, PLACES, self._rng, area
         )
         every = places.sums(self._measure(places.points, places.facing, gains))
         for number in np.unique(regions[rest]).tolist():
@@ -79,7 +81,9 @@ class Probe:
         p, t = self._hear(gains), sound_pressure(P, self._propagator.medium)
         which, number = np.unique(places.objects, return_inverse=True)
         beside = places.regions == BESIDE
-        measured = FeltPlaces(places.positions, t * t, number, beside, facing, len(which))
+        measured = FeltPlaces(
+            places.positions, t * t, number, beside, facing, len(which), np.ones(len(places))
+        )
         for i, sums in zip(which.tolist(), measured.sums(p), strict=True):
             label = label_object(places.items[i], i)
             found[label] = found.get(label, FeltSums()).plus(sums)

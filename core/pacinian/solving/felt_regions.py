@@ -66,19 +66,19 @@ class FeltRegion(NamedTuple):
 
 
 class FeltSums(NamedTuple):
-    """Sums from which `FeltRegion` is computed; the sums of several points in time can be added.
+    """Sums over weighted places, from which `FeltRegion` is computed; those of several points in time can be added.
 
-    places: number of places in the region. made, asked: sums of squared sound pressure amplitudes, achieved
-    and target [Pa^2]. errors, squares: sums of squares of their difference, and of `asked` [Pa^4]. holes: number of
-    places with less than half the target. beside: highest squared amplitude beside the region [Pa^2].
+    places: sum of the weights of the places in the region. made, asked: of the squared sound pressure amplitudes,
+    achieved and target [Pa^2]. errors, squares: of the squares of their difference, and of `asked` [Pa^4]. holes: of
+    the weights of places with less than half the target. beside: highest squared amplitude beside the region [Pa^2].
     """
 
-    places: int = 0
+    places: float = 0.0
     made: float = 0.0
     asked: float = 0.0
     errors: float = 0.0
     squares: float = 0.0
-    holes: int = 0
+    holes: float = 0.0
     beside: float = 0.0
 
     def plus(self, other: FeltSums) -> FeltSums:
@@ -109,7 +109,7 @@ class FeltPlaces:
 
     points: (K, 3) [m]. asked: square of the target amplitude, (K,) [Pa^2]; 0 beside a region. region: number of each
     place's region, (K,). beside: whether each place is beside it, (K,). facing: of the skin at the places. count:
-    number of regions.
+    number of regions. weight: of each place, relative to the area that it represents, (K,).
     """
 
     points: Floats
@@ -118,6 +118,7 @@ class FeltPlaces:
     beside: Flags
     facing: SkinFacing | None
     count: int
+    weight: Floats
 
     @classmethod
     def between_samples(
@@ -126,25 +127,29 @@ class FeltPlaces:
         """Return places half way between neighbouring samples, and 3 to 5 mm beside their region.
 
         points: the samples, (M, 3) [m]. Half way, the target is the mean of both samples. A region of one sample is
-        evaluated at that sample.
+        evaluated at that sample. Places on the outline of the samples have half the weight of others, as in the
+        midpoint rule over triangles.
         """
         from scipy.spatial import KDTree
 
         assert targets.regions is not None
         sounding = ~targets.beside
         tree = KDTree(points[sounding])
-        first, second = np.empty((2, 0), np.intp)
+        pairs, weight = np.empty((0, 2), np.intp), np.empty(0)
         outside, of = np.empty((0, 3)), np.empty(0, np.intp)
         for number in range(int(targets.regions.max()) + 1):
             own = np.flatnonzero((targets.regions == number) & sounding)
             if not len(own):
                 continue
-            a, b, spacing = _find_neighbours(points[own])
-            first, second = np.append(first, own[a]), np.append(second, own[b])
+            found, spacing = _find_neighbours(points[own])
+            pairs = np.concatenate([pairs, own[found]])
+            weight = np.append(weight, _weigh_pairs(points[own], found))
             if len(own) > 1:
                 near, at = _find_places_around(points[own], MAX_NEIGHBOUR_DISTANCE * spacing, tree)
                 outside, of = np.concatenate([outside, near]), np.append(of, own[at])
-        return cls._at(points, targets, facing, (first, second), outside, of)
+        return cls._at(
+            points, targets, facing, (pairs, np.full(pairs.shape, 0.5)), outside, of, weight
+        )
 
     @classmethod
     def random_places(
@@ -154,17 +159,19 @@ class FeltPlaces:
         facing: SkinFacing | None,
         count: int,
         rng: Generator,
-        chosen: Flags,
+        area: Floats,
     ) -> FeltPlaces:
-        """Return a random subset of such places: `count` half way, at most as many beside.
+        """Return random places: `count` among the samples, evenly by area, and at most as many 3 to 5 mm beside.
 
-        chosen: which samples, (M,), have places: at least one, all of them with regions. A place beside a region lies
-        outward from a sample and its neighbour. Takes 0.1 ms, where `between_samples` takes tens of ms.
+        area: of the samples, (M,), in any unit; 0 where there shall be no places. Some samples with regions have an
+        area. A place is in the part of a triangle of a sample and two of its neighbours that is nearest to the sample,
+        and its target is interpolated. A place beside a region lies outward from a sample and its neighbour. Takes
+        0.1 ms, where `between_samples` takes tens of ms.
         """
         assert targets.regions is not None
         sounding = np.flatnonzero(~targets.beside)
-        own = np.flatnonzero(chosen[sounding])
-        first = rng.choice(own, 2 * count)
+        chance = area[sounding] / area[sounding].sum()
+        first = rng.choice(len(sounding), 2 * count, p=chance)
         d = points[sounding[first]][:, None] - points[sounding]
         square = np.einsum("mok,mok->mo", d, d)
         apart = targets.regions[sounding[first]][:, None] != targets.regions[sounding]
@@ -173,9 +180,16 @@ class FeltPlaces:
         within = np.where(apart, np.inf, square)
         near = within <= MAX_NEIGHBOUR_DISTANCE**2 * within.min(axis=1, keepdims=True)
         near &= np.isfinite(within)
-        second = np.where(near.any(axis=1), (rng.random(near.shape) * near).argmax(axis=1), first)
-        first, second = sounding[first], sounding[second]
-        a, b = first[:count], second[:count]
+        second, third = (
+            sounding[
+                np.where(near.any(axis=1), (rng.random(near.shape) * near).argmax(axis=1), first)
+            ]
+            for _ in range(2)
+        )
+        first = sounding[first]
+        shares = rng.uniform(0.0, 0.5, (count, 2))
+        shares = np.column_stack([1.0 - shares.sum(axis=1), shares])
+        corners = np.column_stack([first, second, third])[:count]
         # places beside: outward from the neighbour
         m, n = first[count:], second[count:]
         away = points[m] - points[n]
@@ -185,32 +199,38 @@ class FeltPlaces:
         d = beside[:, None] - points[sounding]
         nearest = np.einsum("mok,mok->mo", d, d).min(axis=1)
         free = np.flatnonzero((nearest >= (0.99 * r[:, 0]) ** 2) & (size[:, 0] > 0.0))
-        return cls._at(points, targets, facing, (a, b), beside[free], m[free])
+        return cls._at(
+            points, targets, facing, (corners, shares), beside[free], m[free], np.ones(count)
+        )
 
     @classmethod
     def _at(
         cls, points: Floats, targets: Targets, facing: SkinFacing | None,
-        pairs: tuple[Indices, Indices], outside: Floats, of: Indices,
+        mixed: tuple[Indices, Floats], outside: Floats, of: Indices, weight: Floats,
     ) -> FeltPlaces:  # fmt: skip
-        """Return the places half way between `pairs` of samples, and `outside`, which lie beside the samples `of`."""
+        """Return places among samples of one region each, and `outside`, which lie beside the samples `of`.
+
+        mixed: the C samples of each place, and their shares, both (K, C). weight: of these places, (K,).
+        """
         assert targets.regions is not None
-        P, (first, second) = targets.amplitudes**2, pairs
-        inside = len(first)
+        P, (corners, shares) = targets.amplitudes**2, mixed
+        inside, first = len(corners), corners[:, 0]
         seen = None
         if facing is not None:
             n = facing.normals
-            between = n[first] + n[second]
+            between = np.einsum("kc,kcj->kj", shares, n[corners])
             size = np.sqrt((between * between).sum(axis=1, keepdims=True))
             between = np.where(size > 0.0, between / np.where(size > 0.0, size, 1.0), n[first])
             seen = SkinFacing(np.concatenate([between, n[of]]), facing.capsules, facing.edge)
         region = targets.regions[np.append(first, of)]
         return cls(
-            np.concatenate([(points[first] + points[second]) / 2.0, outside]),
-            np.concatenate([(P[first] + P[second]) / 2.0, np.zeros(len(of))]),
+            np.concatenate([np.einsum("kc,kcj->kj", shares, points[corners]), outside]),
+            np.concatenate([np.einsum("kc,kc->k", shares, P[corners]), np.zeros(len(of))]),
             region,
             np.arange(inside + len(of)) >= inside,
             seen,
             int(targets.regions.max()) + 1,
+            np.append(weight, np.ones(len(of))),
         )
 
     def set_points_of(self, propagator: Propagator) -> FeltPlaces:
@@ -227,7 +247,7 @@ class FeltPlaces:
             facing = SkinFacing(facing.normals[left], facing.capsules, facing.edge)
         places = replace(
             self, points=self.points[left], asked=self.asked[left], region=self.region[left],
-            beside=self.beside[left], facing=facing,
+            beside=self.beside[left], facing=facing, weight=self.weight[left],
         )  # fmt: skip
         propagator.set_points(places.points, facing)
         return places
@@ -246,28 +266,28 @@ class FeltPlaces:
         for number in range(self.count):
             own = self.region == number
             inside = own & ~self.beside
-            P, t = made[inside], asked[inside]
+            P, t, w = made[inside], asked[inside], self.weight[inside]
             e = P - t
-            holes = int(((MIN_FELT_SHARE * t > P) & (t > 0.0)).sum())
+            holes = (MIN_FELT_SHARE * t > P) & (t > 0.0)
             beside = float(made[own & self.beside].max(initial=0.0))
             found.append(
                 FeltSums(
-                    len(t),
-                    float(P.sum()),
-                    float(t.sum()),
-                    float(e @ e),
-                    float(t @ t),
-                    holes,
+                    float(w.sum()),
+                    float(w @ P),
+                    float(w @ t),
+                    float(w @ (e * e)),
+                    float(w @ (t * t)),
+                    float(w @ holes),
                     beside,
                 )
             )
         return found
 
 
-def _find_neighbours(points: Floats) -> tuple[Indices, Indices, float]:
-    """Return pairs of neighbouring samples of a region, (M, 3) [m], and the median distance to the nearest [m].
+def _find_neighbours(points: Floats) -> tuple[Indices, float]:
+    """Return pairs of neighbouring samples of a region, (P, 2), and the median distance to the nearest [m].
 
-    Samples in one place count as one. If all are in one place, the pair is that sample and itself.
+    points: (M, 3) [m]. Samples in one place count as one. If all are in one place, the pair is that sample and itself.
     """
     from scipy.spatial import KDTree
 
@@ -277,12 +297,34 @@ def _find_neighbours(points: Floats) -> tuple[Indices, Indices, float]:
     nearest = np.where((away > MERGE_DISTANCE) & np.isfinite(away), away, np.inf).min(axis=1)
     others = np.flatnonzero(np.isfinite(nearest))
     if not len(others):
-        return kept[:1], kept[:1], 0.0
+        return kept[None, [0, 0]], 0.0
     near = tree.query_ball_point(points[kept[others]], MAX_NEIGHBOUR_DISTANCE * nearest[others])
     pairs = np.array([(i, j) for i, of in zip(others, near, strict=True) for j in of])
     pairs = np.unique(np.sort(pairs, axis=1), axis=0)
-    first, second = pairs[pairs[:, 0] < pairs[:, 1]].T
-    return kept[first], kept[second], float(np.median(nearest[others]))
+    pairs = pairs[pairs[:, 0] < pairs[:, 1]]
+    return kept[pairs], float(np.median(nearest[others]))
+
+
+def _weigh_pairs(points: Floats, pairs: Indices) -> Floats:
+    """Return the weight of the place half way between the samples of each pair, (P,): 1 inside, 1/2 on an outline.
+
+    A pair lies on an outline if all neighbours that its samples have in common are on one side. points: (M, 3) [m].
+    pairs: of neighbours, (P, 2).
+    """
+    from scipy.sparse import coo_array
+
+    P, M = len(pairs), len(points)
+    ends = np.concatenate([pairs, pairs[:, ::-1]]).T
+    adjacent = coo_array((np.ones(2 * P), (ends[0], ends[1])), (M, M)).tocsr()
+    pair, common = (adjacent[pairs[:, 0]] * adjacent[pairs[:, 1]]).nonzero()
+    along, middle = np.diff(points[pairs], axis=1)[:, 0], points[pairs].mean(axis=1)
+    along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), MERGE_DISTANCE)
+    side = points[common] - middle[pair]
+    side -= (side * along[pair]).sum(axis=1, keepdims=True) * along[pair]
+    side /= np.maximum(np.linalg.norm(side, axis=1, keepdims=True), MERGE_DISTANCE)
+    total = np.stack([np.bincount(pair, axis, P) for axis in side.T], axis=1)
+    count = np.maximum(np.bincount(pair, minlength=P), 1.0)
+    return np.asarray(1.0 - 0.5 * np.linalg.norm(total, axis=1) / count)
 
 
 def _find_places_around(

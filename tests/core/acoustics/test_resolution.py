@@ -8,19 +8,21 @@ import numpy as np
 import pytest
 
 import pacinian as pc
-from pacinian.acoustics.resolution import resolution
+from pacinian.acoustics.resolution import find_lobe, resolution
 
 AIR = pc.Air(speed_of_sound=340.0)
 WAVELENGTH = 340.0 / 40e3
 
 
-def first_null(array: pc.Array, q: np.ndarray) -> float:
-    """Return the distance from a focus at q to the nearest first minimum of the field."""
+def first_null(
+    array: pc.Array, q: np.ndarray, angles: tuple[float, ...] = tuple(range(0, 180, 15))
+) -> float:
+    """Return the distance from a focus at q to the nearest first minimum of the field, at angles [deg] from x."""
     b = pc.matrix(array, q[None], pc.Air())[0]
     g = b.conj() / np.abs(b).max()
     d = np.linspace(0.0, 0.05, 2001)
     found = []
-    for angle in np.radians(np.arange(0.0, 180.0, 15.0)):
+    for angle in np.radians(angles):
         way = np.array([np.cos(angle), np.sin(angle), 0.0])
         p = np.abs(pc.field(array, g, q + d[:, None] * way, medium=pc.Air()))
         found.append(d[1 + np.flatnonzero((p[1:-1] < p[:-2]) & (p[1:-1] <= p[2:]))[0]])
@@ -33,6 +35,17 @@ def test_it_is_where_the_main_lobe_of_a_focus_ends(units: int, heights: tuple[fl
     for z in heights:
         q = np.array([0.02, -0.01, z])
         assert resolution(array, [q], pc.Air())[0] == pytest.approx(first_null(array, q), rel=0.15)
+
+
+@pytest.mark.parametrize(("units", "long_side"), [((2, 1), 0.0), ((1, 2), 90.0), ((4, 1), 0.0)])
+def test_an_elongated_array_has_a_wide_lobe_along_its_short_side(
+    units: tuple[int, int], long_side: float
+) -> None:
+    array = pc.autd(*units)
+    q = array.centre + np.array([0.0, 0.0, 0.2])
+    short, long = find_lobe(array, q[None], pc.Air())[0]
+    assert short == pytest.approx(first_null(array, q, (long_side,)), rel=0.2)
+    assert long == pytest.approx(first_null(array, q, (long_side + 90.0,)), rel=0.2)
 
 
 def test_directions_that_spread_evenly_make_a_sinc() -> None:

@@ -212,13 +212,49 @@ def test_the_figures_of_what_is_felt():
     own = places.region == 0
     p = np.where(places.beside, 1.5, 3.0) + 0j
     assert places.measure_felt(p) == (pc.FeltRegion(1.0, 0.0, 0.0, 0.25), pc.FeltRegion())
-    p[np.flatnonzero(own & ~places.beside)[::2]] = 0.0
-    count = int((own & ~places.beside).sum())
-    gone = math.ceil(count / 2) / count
+    inside = np.flatnonzero(own & ~places.beside)
+    p[inside[::2]] = 0.0
+    gone = places.weight[inside[::2]].sum() / places.weight[inside].sum()
     first = places.measure_felt(p)[0]
     assert first == pytest.approx((1.0 - gone, math.sqrt(gone), gone, 0.25))
     assert not first.even
     assert places.measure_felt(2.0 * p, multiple=2.0)[0] == pytest.approx(first)
+
+
+@pytest.mark.parametrize("way", ["half way", "random"])
+@pytest.mark.parametrize(
+    ("shape", "force", "rms", "holes"),
+    [  # integrals of 1 - r^2 / (2 a^2) over a square of side 2 a, and of 1 - r^2 / a^2 over a disc of radius a
+        (pc.Rectangle(0.02, 0.02), 2.0 / 3.0, math.sqrt(28.0 / 45.0) / 2.0, 1.0 - math.pi / 4.0),
+        (pc.Disc(0.01), 0.5, math.sqrt(1.0 / 3.0), 0.5),
+    ],
+)
+def test_each_part_of_a_region_counts_by_its_area(way, shape, force, rms, holes):
+    """The pressure falls towards the rim, on whose samples a fifth of the places would be too many."""
+    local = shape.sample_surface(0.00167)
+    M = len(local.points)
+    targets = Targets.make_checked(M, np.ones(M), None, "exact", np.zeros(M, int))
+    if way == "random":
+        rng = np.random.default_rng(1)
+        places = FeltPlaces.random_places(local.points, targets, None, 20_000, rng, local.area)
+    else:
+        places = FeltPlaces.between_samples(local.points, targets, None)
+    square = (places.points**2).sum(axis=1) / (1e-4 if isinstance(shape, pc.Disc) else 2e-4)
+    felt = places.measure_felt(np.sqrt(np.maximum(1.0 - square, 0.0)))[0]
+    assert felt[:3] == pytest.approx((force, rms, holes), abs=0.025)
+
+
+def test_a_place_on_an_outline_has_half_the_weight_of_one_inside():
+    q = patch()
+    targets = Targets.make_checked(16, np.full(16, 3.0), None, "exact", np.zeros(16, int))
+    places = FeltPlaces.between_samples(q, targets, None)
+    inside = ~places.beside
+    outermost = np.abs(q[:, :2] - q[:, :2].mean(axis=0)).max()
+    from_middle = np.abs(places.points[:, :2] - q[:, :2].mean(axis=0)).max(axis=1)
+    outline = inside & (from_middle > outermost - 1e-9)
+    assert outline.sum() == 12
+    assert places.weight[outline] == pytest.approx(0.5)
+    assert places.weight[inside & ~outline] == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize("count", [1, 2, 3])

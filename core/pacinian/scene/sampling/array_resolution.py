@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pacinian.acoustics.resolution import focal_area, resolution
+from pacinian.acoustics.resolution import find_lobe, focal_area
 from pacinian.argument_checks import MAX_LENGTH
 from pacinian.errors import PointOnTransducer
 
@@ -40,7 +40,7 @@ class ArrayResolution:
         ends = np.meshgrid(*zip(low, high, strict=True), indexing="ij")
         self.corners = np.unique(np.stack(ends, axis=-1).reshape(-1, 3), axis=0)
         """Corners of the array's bounding box, (V, 3) [m]."""
-        self._cells: dict[tuple[int, int, int], tuple[float, float]] = {}
+        self._cells: dict[tuple[int, int, int], tuple[float, float, float]] = {}
 
     def compute_isolated_spacing(self, place: tuple[float, float, float]) -> float:
         """Return the spacing of isolated samples at `place` [m]: a wavelength, or the resolution there if coarser.
@@ -56,6 +56,10 @@ class ArrayResolution:
         """
         return 2.0 * self._compute(place)[1]
 
+    def compute_elongation(self, place: tuple[float, float, float]) -> float:
+        """Return how much wider a focus at `place` [m] is across the direction in which it is narrowest, 1 or more."""
+        return self._compute(place)[2]
+
     def find_blurring_period(self, item: Object, place: tuple[float, float, float]) -> float:
         """Return `compute_period` at `place` [m] if the object's texture is finer and therefore blurs; otherwise 0.
 
@@ -67,8 +71,8 @@ class ArrayResolution:
         resolved = self.compute_period(place)
         return resolved if texture.period < resolved else 0.0
 
-    def _compute(self, place: tuple[float, float, float]) -> tuple[float, float]:
-        """Return the sample spacing and the resolution at `place` [m]."""
+    def _compute(self, place: tuple[float, float, float]) -> tuple[float, float, float]:
+        """Return the sample spacing [m], the resolution [m] and the elongation of a focus at `place` [m]."""
         x, y, z = (math.floor(v / CELL) for v in place)
         kept = self._cells.get((x, y, z))
         if kept is None:
@@ -76,13 +80,15 @@ class ArrayResolution:
                 self._cells.clear()
             middle = CELL * (np.array([[x, y, z]]) + 0.5)
             try:
-                resolved = float(resolution(self.array, middle, self.medium)[0])
+                resolved, across = find_lobe(self.array, middle, self.medium)[0].tolist()
             except PointOnTransducer:
-                resolved = 0.0
+                resolved = across = 0.0
             # the resolution is infinite where only one transducer is heard
             finest = min(max(resolved, self.wavelength), MAX_LENGTH)
             steps = math.log(finest / self.wavelength) / math.log(LEVEL_RATIO)
-            kept = self._cells[x, y, z] = self.wavelength * LEVEL_RATIO ** round(steps), resolved
+            spacing = self.wavelength * LEVEL_RATIO ** round(steps)
+            elongation = across / resolved if 0.0 < resolved < math.inf else 1.0
+            kept = self._cells[x, y, z] = spacing, resolved, elongation
         return kept
 
     def focal_areas(self, positions: Floats, normals: Floats, *, uniform: bool) -> Floats:

@@ -10,10 +10,18 @@ from scipy.spatial import KDTree
 
 import pacinian as pc
 from pacinian.gallery import SCENES
+from pacinian.scene.sampling import silent_samples
 from pacinian.scene.sampling.array_resolution import ArrayResolution
 from pacinian.scene.sampling.sample_budget import FINE_ON_SKIN, ON_SKIN
 from pacinian.scene.sampling.sampler import SamplingMode
-from pacinian.scene.sampling.silent_samples import FINE_SURROUND, INNER, MAX_OF_SMALL, SURROUND
+from pacinian.scene.sampling.silent_samples import (
+    FAR,
+    FINE_SURROUND,
+    INNER,
+    MAX_FAR,
+    MAX_OF_SMALL,
+    SURROUND,
+)
 from pacinian.testing import ManualClock
 from pacinian_lab.regions.skin import measure_felt
 
@@ -128,3 +136,41 @@ def test_other_limits_and_solvers_that_count_silence_in_full_get_no_surround() -
 def samples_of(renderer: pc.Renderer) -> pc.Samples:
     assert renderer.samples is not None
     return renderer.samples
+
+
+@pytest.mark.parametrize(
+    ("units", "elongated"), [((2, 1), True), ((1, 2), True), ((1, 1), False), ((2, 2), False)]
+)
+def test_arrays_with_elongated_foci_have_silent_samples_farther_away(
+    units: tuple[int, int], elongated: bool
+) -> None:
+    sampler, array = pc.Sampler(), pc.autd(*units)
+    sampler.prepare(array, AIR)
+    sampler.mode = SamplingMode(surround=True, fine=True)
+    samples = sampler.sample(ball(0.015, 0.003), 0.0)
+    silent = samples.regions == -2
+    resolved = ArrayResolution(array, AIR).compute_isolated_spacing((0.0, 0.0, 0.205))
+    away = np.asarray(KDTree(samples.positions[~silent]).query(samples.positions[silent])[0])
+    assert away.max() < (FAR if elongated else FINE_SURROUND.outer) * resolved
+    far = int((away > FINE_SURROUND.outer * resolved).sum())
+    assert (0.5 * MAX_FAR < far <= MAX_FAR) if elongated else far == 0
+    assert len(set(samples.keys.tolist())) == len(samples)
+
+
+def test_two_units_keep_sound_off_the_skin_far_beside_a_ball(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The reference has silent samples close to the contact only. Both are judged on the benchmark's skin."""
+    array, scene, felt = pc.autd(2, 1), ball(0.015, 0.003), []
+    for least in (np.inf, silent_samples.MIN_ELONGATION):
+        monkeypatch.setattr(silent_samples, "MIN_ELONGATION", least)
+        with pc.Renderer(array, scene, clock=ManualClock(), adaptive=False) as renderer:
+            for k in range(12):
+                renderer.tick(k * 1e-3)
+            found = measure_felt(array, AIR, scene, 0.012, renderer.cycle_gains)
+        assert found is not None
+        felt.append(found)
+    without, now = felt
+    assert now.spill < 0.5 * without.spill
+    assert now.rms < without.rms + 0.04  # both have as many samples as the budget allows
+    assert now.force == pytest.approx(1.0, abs=0.05)
