@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.solving.solution_status import Status
 
 if TYPE_CHECKING:
     from pacinian.rendering.envelope_groups import EnvelopeGroups
     from pacinian.scene.sampling.samples import Samples
     from pacinian.solving.solution import Solution
-    from pacinian.types import Gains
+    from pacinian.types import Floats, Gains
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +73,13 @@ class CachedSolution:
         )
         each = None if self.contributions is None else a * self.contributions
         return replace(self, gains=solution.gains, contributions=each, solution=solution)
+
+    @cached_property
+    def pressures(self) -> tuple[Floats, Floats]:
+        """Radiation pressures asked for and made at `samples`, (M',) [Pa]."""
+        medium = self.solution.medium
+        asked = radiation_pressure(self.solution.targets.amplitudes, medium)
+        return asked, radiation_pressure(self.solution.sound_pressure, medium)
 
     @property
     def ran_out_of_time(self) -> bool:

@@ -37,6 +37,10 @@ MIN_INTERVAL, MAX_INTERVAL = 5e-3, 0.05
 MAX_EXTRAPOLATION = 0.03  # longest time for which samples are assumed to keep their velocity [s]
 MAX_RATIO = 2.0  # factors on gains are limited to 1 / MAX_RATIO to MAX_RATIO in amplitude
 
+NOWHERE, AT_REST = np.full(3, math.nan), np.zeros(3)  # a place [m] and a velocity [m/s]
+for _constant in (NOWHERE, AT_REST):
+    _constant.flags.writeable = False
+
 
 class Motion(NamedTuple):
     """How samples have moved since they were solved for.
@@ -80,13 +84,12 @@ class MotionTracker:
 
     def reset(self) -> None:
         """Forget all samples."""
-        self._place, self._time = np.full(3, math.nan), -math.inf  # of the last samples [m], [s]
+        self._place, self._time = NOWHERE, -math.inf  # of the last samples [m], [s]
         self._step_from, self._step_begun = (
             self._place,
             self._time,
         )  # of the last step of the velocity
-        self._step = np.zeros(3)  # velocity in that step [m/s]
-        self._velocity = np.zeros(3)
+        self._step = self._velocity = AT_REST  # velocity in that step, and in the last two [m/s]
         self._rest, self._stands_since = (
             self._place,
             math.inf,
@@ -114,7 +117,7 @@ class MotionTracker:
         )  # or there was no place before
         seconds = t - self._step_begun
         if far or not 0.0 <= seconds <= MAX_INTERVAL:
-            self._velocity = self._step = np.zeros(3)
+            self._velocity = self._step = AT_REST
             self._step_from, self._step_begun = place, t
         elif seconds >= MIN_INTERVAL:
             step = (place - self._step_from) / seconds

@@ -115,7 +115,7 @@ class Modulator:
         if not play.rows:
             self._rows[:] = 0.0
             return self._rows
-        solved, count = list(play.rows), len(play.rows) if play.cycle else 1
+        solved, count = list(play.rows), play.frames
         self.place_in_cycle = self._row % count, count
         if play.cycle:
             solved = [solved[(self._row + k) % count] for k in range(len(self.times))]

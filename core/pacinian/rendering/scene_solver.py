@@ -90,8 +90,8 @@ class SceneSolver:
         sample_solver.cycle.budget = sampler.frame_budget
         sample_solver.spares_solves = in_background and self._settings.adaptive
         solutions = sample_solver.solve(samples, t, limits, solver, deadline, at)
-        fast = last.too_fast
-        if solutions is not last.solutions:
+        fast, before = last.too_fast, last.solutions
+        if (solutions.samples, solutions.frames) != (before.samples, before.frames):
             fast = self.find_too_fast(solutions)
         fresh, pressures, seconds = tuple(sample_solver.fresh), None, math.nan
         if in_background:
@@ -153,6 +153,6 @@ class SceneSolver:
         Each of several frames in turn has only its share of the device's rate.
         """
         items = solutions.samples.items
-        rate = self._playback.capability.rate / (len(solutions.rows) if solutions.cycle else 1)
+        rate = self._playback.capability.rate / solutions.frames
         used = np.unique(solutions.samples.objects).tolist()
         return tuple(label_object(items[i], i) for i in used if is_too_fast(items[i], rate))

@@ -66,6 +66,11 @@ class SolutionSequence:
     before_motion: Samples | None = None
 
     @property
+    def frames(self) -> int:
+        """Number of frames that take turns."""
+        return len(self.rows) if self.cycle else 1
+
+    @property
     def solved_samples(self) -> Samples:
         """The samples where they were solved for."""
         return self.samples if self.before_motion is None else self.before_motion

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.region_numbers import ISOLATED
 from pacinian.rendering.solution_sequence import RISEN_FROM
 from pacinian.scene.sampling.sample_counts import label_object
@@ -92,11 +91,13 @@ def _count_felt(losses: Iterable[_Loss], rising: Collection[str]) -> Counter[str
         if not len(rows):
             continue
         whole, of = _sum_by_object(samples), samples.objects[rows]
-        for i in np.unique(of).tolist():
-            own, label = of == i, label_object(samples.items[i], i)
+        number, missing = np.bincount(of), np.bincount(of, lost)
+        single = np.bincount(of, alone)
+        for i in np.flatnonzero(number).tolist():
+            label = label_object(samples.items[i], i)
             most = MAX_LOST_WHILE_RISING if label in rising else MAX_LOST_FORCE
-            if alone[own].any() or lost[own].sum() > most * whole[i]:
-                counts |= Counter({label: int(own.sum())})
+            if single[i] or missing[i] > most * whole[i]:
+                counts |= Counter({label: int(number[i])})
     return counts
 
 
@@ -123,8 +124,8 @@ def _find_missed(solutions: SolutionSequence, short: Iterable[CachedSolution]) -
     for one in short:
         if one.whole is None or (solutions.cycle and one.whole is solutions.solved_samples):
             continue
-        share = 1.0 / len(solutions.rows) if solutions.cycle else 1.0  # frames of earlier samples
-        asked, made = _find_pressures(one)
+        share = 1.0 / solutions.frames  # for frames of earlier samples
+        asked, made = one.pressures
         yield _compare(one.whole, one.missed, one.samples, share * asked, share * made)
     if solutions.cycle and solutions.missed:
         yield _compare(solutions.solved_samples, solutions.missed, *_find_mean_pressures(solutions))
@@ -138,7 +139,7 @@ def _find_weak_regions(solutions: SolutionSequence) -> Iterator[_Loss]:
     if not (solutions.samples.regions >= 0).any():
         return
     if not solutions.cycle:
-        found = [(one.samples, *_find_pressures(one)) for one in dict.fromkeys(solutions.rows)]
+        found = [(one.samples, *one.pressures) for one in dict.fromkeys(solutions.rows)]
     elif all(one.samples is solutions.solved_samples for one in solutions.rows):
         found = [_find_mean_pressures(solutions)]
     else:
@@ -153,13 +154,6 @@ def _find_weak_regions(solutions: SolutionSequence) -> Iterator[_Loss]:
             yield _Loss(samples, rows, lost, np.zeros(len(rows), np.bool_))
 
 
-def _find_pressures(one: CachedSolution) -> tuple[Floats, Floats]:
-    """Return the pressures asked for and made at the samples that were solved for, (M',) [Pa]."""
-    medium = one.solution.medium
-    asked = radiation_pressure(one.solution.targets.amplitudes, medium)
-    return asked, radiation_pressure(one.solution.sound_pressure, medium)
-
-
 def _find_mean_pressures(solutions: SolutionSequence) -> tuple[Samples, Floats, Floats]:
     """Return the samples of a cycle that are solved for, and the pressures asked for and made there, (M',) [Pa].
 
@@ -169,7 +163,7 @@ def _find_mean_pressures(solutions: SolutionSequence) -> tuple[Samples, Floats, 
     assert solutions.asked is not None
     made = np.zeros(len(solutions.common))
     for one in solutions.rows:
-        of, P = solutions.common.keys, _find_pressures(one)[1] / len(solutions.rows)
+        of, P = solutions.common.keys, one.pressures[1] / len(solutions.rows)
         if np.array_equal(of, one.samples.keys):
             made += P
         else:
