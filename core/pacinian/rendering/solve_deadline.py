@@ -14,6 +14,10 @@ DEADLINE_SHARE = 0.7
 # are at rest, the next solve in the background gets so many times as long, up to a limit [relative to the deadline].
 DEADLINE_FACTOR_GROWTH, MAX_DEADLINE_FACTOR = 4.0, 32.0
 
+# If more than half of the recent solves in the background run out of time, the next ones get twice as long: more solves
+# would press too weakly, and fewer press as asked. They get the usual time again once a quarter or less needs more.
+SLOW_FACTOR, SLOW_FROM, SLOW_ABOVE, AVERAGED_SOLVES = 2.0, 0.5, 0.25, 16
+
 
 class SolveDeadline:
     """Chooses the deadlines of solves.
@@ -29,12 +33,14 @@ class SolveDeadline:
         """Forget how long solves have taken."""
         self.unhurried = False
         """Whether the solve that was chosen for last has no deadline, because nothing moves."""
-        self._factor = 1.0
+        self._factor, self._usual = 1.0, math.inf  # deadline of the last solve without factors [s]
+        self._slow_share, self._slow = 0.0, False  # of recent solves that need more time than usual
 
     @property
     def factor(self) -> float:
         """Factor on the usual deadline in the background; infinite for a solve without one."""
-        return math.inf if self.unhurried else self._factor
+        slow = SLOW_FACTOR if self._slow else 1.0
+        return math.inf if self.unhurried else max(self._factor, slow)
 
     def choose(self, ticks: int, *, in_background: bool, unhurried: bool) -> float:
         """Return the deadline of the next solve, from its beginning [s]; may be infinite.
@@ -45,10 +51,15 @@ class SolveDeadline:
         if not self._adaptive:
             return math.inf
         usual = DEADLINE_SHARE * (ticks * self._period)
+        self._usual = usual if in_background else math.inf
         return usual * self.factor if in_background else usual
 
     def adapt(self, result: SolveResult, before: SolveResult) -> None:
         """Adapt the deadline of the next solve in the background. before: what was played before `result`."""
+        for one in result.fresh if self._usual < math.inf else ():
+            slow = one.ran_out_of_time or one.solution.seconds > self._usual
+            self._slow_share += (slow - self._slow_share) / AVERAGED_SOLVES
+        self._slow = self._slow_share > (SLOW_ABOVE if self._slow else SLOW_FROM)
         at_rest = result.solutions.samples is before.solutions.samples
         extends = at_rest and result.solutions.limits.forbids_steering
         if extends and any(one.ran_out_of_time for one in result.fresh):
