@@ -105,10 +105,6 @@ class Report:
         self.ticks += 1
         self.late_ticks += late
 
-    def add_stage_time(self, stage: str, seconds: float) -> None:
-        """Add `seconds` [s] to a stage's time."""
-        self.stages[stage] += seconds
-
     def count_solve(self, status: Status) -> None:
         """Count a solve."""
         self.solves += 1
