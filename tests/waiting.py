@@ -1,4 +1,7 @@
-"""Wait for events that are certain to come, however slow the machine is."""
+"""Wait for events that are certain to come, however slow the machine is.
+
+How long a test waits for a server to be ready is `READY_TIMEOUT` in `pacinian.testing.server`.
+"""
 
 from __future__ import annotations
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from pacinian.serving.settings import Safety
 from pacinian.wire.markdown import make_guide, make_reference
 from pacinian_lab.vectors.vectors import make_text, make_vectors
 
@@ -14,6 +15,6 @@ if TYPE_CHECKING:
 def generate(model: Model) -> dict[str, str]:
     """Return the files of docs/ and of tests/wire/."""
     return {
-        "docs/wire.md": make_guide(),
+        "docs/wire.md": make_guide(Safety().lease),
         "docs/wire-messages.md": make_reference(),
     } | {f"tests/wire/{name}.json": make_text(made) for name, made in make_vectors().items()}

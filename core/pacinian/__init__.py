@@ -5,20 +5,21 @@
 The packages: acoustics, solving, scene, rendering (the loop), serving (the server), wire and client (its protocol),
 viewing (the live viewer), devices, plugins (their interfaces), batch, plot, notebook, testing, cli, native (kernels).
 
-session.py          `Session`, `solve`: what is reused from one solve to the next
-array_api.py        the field and batches of solves for PyTorch, CuPy, JAX
-gallery.py          the built-in scenes of `pacinian bench scenes`
-demo_scene.py       the scene of `pacinian demo`
-skip_reasons.py     reasons for work that is left out, as reports name them
-errors.py           every error that Pacinian raises
-region_numbers.py   region numbers of points that belong to no region
-argument_checks.py  checks of arguments
-types.py            array types
-toml_json_files.py  reads TOML and JSON files; errors name the key, and suggest the right one; JSON Schemas
-neighbours.py       nearest points; neighbours.hpp: its k-d tree
-atomic_file.py      replaces a file as a whole, so that a full disk leaves the old one
-exclusive_lock.py   exclusive locks on open files
-closeable.py        the base of what a `with` statement closes
+session.py            `Session`, `solve`: what is reused from one solve to the next
+array_api.py          the field and batches of solves for PyTorch, CuPy, JAX
+gallery.py            the built-in scenes of `pacinian bench scenes`
+demo_scene.py         the scene of `pacinian demo`
+skip_reasons.py       reasons for work that is left out, as reports name them
+errors.py             every error that Pacinian raises
+region_numbers.py     region numbers of points that belong to no region
+argument_checks.py    checks of arguments
+types.py              array types
+config_files.py       reads TOML and JSON files; errors name the file and the key; JSON Schemas
+config_key_advice.py  suggests the intended key for a wrong one in such a file
+neighbours.py         nearest points; neighbours.hpp: its k-d tree
+atomic_file.py        replaces a file as a whole, so that a full disk leaves the old one
+exclusive_lock.py     exclusive locks on open files
+closeable.py          the base of what a `with` statement closes
 """
 
 from typing import Any

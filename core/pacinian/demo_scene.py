@@ -22,11 +22,11 @@ if TYPE_CHECKING:
 HEIGHT = 0.2  # height above the array [m]
 ORBIT = 0.04  # radius of the ball's orbit [m]
 TURN = 2.0  # period of the orbit [s]
-TREMBLE = Sine(frequency=150.0)
+HUM = Sine(frequency=150.0)
 
-BALL = Volume(shape=Sphere(0.010), radiation_pressure=8.0, envelope=TREMBLE, name="ball")
+BALL = Volume(shape=Sphere(0.010), radiation_pressure=8.0, envelope=HUM, name="ball")
 BUTTON = Surface(
-    shape=Disc(0.0085), pose=Pose((0.0, 0.0, HEIGHT)), force=0.004, envelope=TREMBLE, name="button"
+    shape=Disc(0.0085), pose=Pose((0.0, 0.0, HEIGHT)), force=0.004, envelope=HUM, name="button"
 )
 
 

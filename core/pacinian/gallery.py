@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 HEIGHT = 0.2  # height of the palm above the array [m]
 TRACKED = 120.0  # rate of updates of hands and objects, as sent by trackers and games [Hz]
-TREMBLE = Sine(150.0)
+HUM = Sine(150.0)
 PALM = 0.015  # distance from the palm joint to the skin below it [m]
 HAND = Hand.open("right", Pose((0.0, 0.0, HEIGHT + PALM)))
 TILTED = Hand.open("right", Pose((0.0, -0.08, HEIGHT + 0.03)).rotate("x", math.radians(-12.0)))
@@ -135,13 +135,13 @@ def _oscillate_hand(hand: Hand, t: float, swing: float) -> Hand:
 
 @functools.cache
 def _static() -> Scene:
-    point = Point(position=(0.0, 0.0, HEIGHT), radiation_pressure=20.0, envelope=TREMBLE)
+    point = Point(position=(0.0, 0.0, HEIGHT), radiation_pressure=20.0, envelope=HUM)
     return Scene((point,))
 
 
 @functools.cache
 def _ball() -> Volume:
-    return Volume(shape=Sphere(0.015), radiation_pressure=12.0, envelope=TREMBLE, name="ball")
+    return Volume(shape=Sphere(0.015), radiation_pressure=12.0, envelope=HUM, name="ball")
 
 
 @functools.cache
@@ -151,7 +151,7 @@ def _plate() -> Scene:
         pose=Pose((0.0, 0.0, HEIGHT + 0.004)),
         texture=grating(0.012),
         radiation_pressure=10.0,
-        envelope=TREMBLE,
+        envelope=HUM,
         name="plate",
     )
     return Scene((plate,))
@@ -163,7 +163,7 @@ def _stone() -> Scene:
         shape=stone_mesh(),
         pose=Pose((0.0, 0.02, HEIGHT - 0.038)),
         radiation_pressure=8.0,
-        envelope=TREMBLE,
+        envelope=HUM,
         name="stone",
     )
     return Scene((stone,))
@@ -188,7 +188,7 @@ def balls(count: int) -> Scene:
     far = rng.uniform([-0.4, -0.4, 0.03], [0.4, 0.4, 0.4], (2 * count, 3))
     far = far[(np.abs(far[:, :2]) > AWAY).any(axis=1)]
     places = [*NEAR, *map(tuple, far.tolist())][:count]
-    ball = Volume(shape=Sphere(0.01), radiation_pressure=10.0, envelope=TREMBLE)
+    ball = Volume(shape=Sphere(0.01), radiation_pressure=10.0, envelope=HUM)
     return Scene(
         tuple(replace(ball, pose=Pose(at), name=f"ball {i}") for i, at in enumerate(places))
     )
@@ -200,7 +200,7 @@ def _board() -> Scene:
         shape=Rectangle(0.3, 0.3),
         pose=Pose((0.0, 0.0, HEIGHT + 0.007)),
         radiation_pressure=4.0,
-        envelope=TREMBLE,
+        envelope=HUM,
         name="board",
     )
     return Scene((board,))

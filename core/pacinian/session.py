@@ -22,12 +22,13 @@ from pacinian.errors import ArgumentError, PluginError, UnsupportedLimit, shorte
 from pacinian.plugins import registry
 from pacinian.plugins.solver import Result, Solver
 from pacinian.solving.blas import limit_blas_threads
+from pacinian.solving.budget import Budget
 from pacinian.solving.buffer_pool import acquire, release
 from pacinian.solving.corrections import MAX_CORRECTIONS, MAX_ERROR_RATIO, correct_amplitudes
 from pacinian.solving.error_lower_bound import MAX_POINTS
-from pacinian.solving.gain_evaluation import certify, measure_felt
+from pacinian.solving.gain_evaluation import add_felt, certify
 from pacinian.solving.limit_enforcement import enforce_limits, enforce_pressure_limits
-from pacinian.solving.problem import Budget, Limits, Targets
+from pacinian.solving.limits import Limits
 from pacinian.solving.problem_check import check_problem
 from pacinian.solving.propagator import Propagator
 from pacinian.solving.quiet_subspace import Preparation, call_unrecorded
@@ -47,6 +48,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from pacinian.acoustics.propagation import Precision
+    from pacinian.solving.targets import Targets
     from pacinian.types import ArrayLike, Complexes, Floats, Gains
 
 AIR = Air()
@@ -110,7 +112,7 @@ class Session:
         self.propagator = Propagator(array, self.medium, precision)
         self.solver = solver
         self.clock = clock
-        self.note: Callable[[Callable[[], float]], float] = call_unrecorded
+        self.record_decision: Callable[[Callable[[], float]], float] = call_unrecorded
         """Returns what a function returns. Replace it to record decisions that depend on time."""
         self.is_cancelled: Callable[[], bool] = lambda: False
         """Returns whether a solve without a deadline is to end at once, because nobody needs its result any more."""
@@ -261,7 +263,7 @@ class Session:
 
     def measure_felt(self, solution: Solution) -> Solution:
         """Return `solution`, the last one, with `felt` filled in and a status that also holds between the points."""
-        return measure_felt(self.propagator, solution)
+        return add_felt(self.propagator, solution)
 
     def _place(self, q: Floats, facing: SkinFacing | None, request: _Request) -> bool:
         """Pass the points and the quiet points (which are in the free field) to the propagators.
@@ -281,7 +283,7 @@ class Session:
         if limits.zones:
             rms = limits.compute_max_rms(len(self.array))
             quiet_subspace = self._zones.get(
-                self.array, self.medium, limits.zones, rms, request.budget, self.note
+                self.array, self.medium, limits.zones, rms, request.budget, self.record_decision
             )
         propagator.keep_quiet(quiet_subspace)
         propagator.set_points(q, facing)

@@ -14,7 +14,7 @@ import pacinian as pc
 from pacinian.plot import figure, save
 from pacinian.scene.config_sections import Units
 from pacinian.serving.settings import Settings
-from pacinian.solving.felt_regions import FeltRegion
+from pacinian.solving.felt_figures import FeltRegion
 from pacinian.testing.server import run_server
 
 from . import unity

@@ -183,7 +183,7 @@ def test_the_gradient_of_lbfgs(seed: int, fixed: bool) -> None:
     propagator = Propagator(ARRAY, pc.Air(), "double")
     propagator.set_points(q)
     phases = rng.uniform(-3, 3, 4) if fixed else np.array([np.nan, 1.0, np.nan, np.nan])
-    f = lbfgs.Problem(propagator, t, phases, float(np.linalg.norm(t)))
+    f = lbfgs.Objective(propagator, t, phases, float(np.linalg.norm(t)))
     x, d = rng.normal(size=200), rng.normal(size=200)
     slope = f.value(x)[1] @ d
     step = 1e-6

@@ -11,7 +11,7 @@ from msgspec.structs import replace
 
 import pacinian as pc
 from pacinian.plugins.backend import Capability, Frame
-from pacinian.serving.control.server_status import describe_sound
+from pacinian.serving.control.state_builder import describe_sound
 from pacinian.viewing.array_model import ArrayModel
 from pacinian.viewing.tick_histogram import EDGES, make_histogram
 from pacinian.wire.binary_arrays import pack

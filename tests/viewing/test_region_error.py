@@ -10,7 +10,7 @@ import pytest
 import pacinian as pc
 from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.scene.hands.capsules import make_capsules
-from pacinian.solving.felt_regions import FeltRegion
+from pacinian.solving.felt_figures import FeltRegion
 from pacinian.viewing.region_error import (
     Regions,
     compute_error,

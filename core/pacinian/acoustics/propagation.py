@@ -33,6 +33,9 @@ Precision = Literal["single", "double"]
 DIRECTIVITY_STEPS = 1 << 16
 MAX_GAIN = 1e30  # largest gain; single precision ends at 3e38
 TOUCHING_DISTANCE = 1e-6  # distance within which a point is on the transducer [m]
+# Distance up to which a sample, or a place between samples, counts as on a transducer and is left out [m]. The margin
+# over TOUCHING_DISTANCE allows for rounding: no sample that is kept raises PointOnTransducer.
+SAMPLE_TOUCHING_DISTANCE = 1e-5
 CHUNK = 1 << 18  # elements of B in one chunk of the double-precision field
 
 

@@ -42,8 +42,9 @@ if TYPE_CHECKING:
 
     from pacinian.types import ArrayLike, Complexes, Floats
 
-MAX_PRESSURE, MAX_TEMPERATURE = 2.0, 10.0  # largest standard deviations: a factor of 7; [K]
-MAX_PHASE, MAX_GAIN = 4.0, 1.0  # largest standard deviations [rad]; relative
+# Largest standard deviations: of ln P0 (a factor of 7), of the temperature [K], of phases [rad], of gains (relative).
+MAX_PRESSURE_DEVIATION, MAX_TEMPERATURE_DEVIATION = 2.0, 10.0
+MAX_PHASE_DEVIATION, MAX_GAIN_DEVIATION = 4.0, 1.0
 MIN_SAMPLES = 100  # below, the ends of an interval are guesses
 MAX_VALUES = 1 << 27  # pressures of all samples together: 1 GiB
 CHUNK = 1 << 18  # elements of B in one chunk
@@ -64,7 +65,12 @@ class Uncertainty:
     gain: float | Sequence[float] = 0.0
 
     def __post_init__(self) -> None:
-        most = (MAX_PRESSURE, MAX_TEMPERATURE, MAX_PHASE, MAX_GAIN)
+        most = (
+            MAX_PRESSURE_DEVIATION,
+            MAX_TEMPERATURE_DEVIATION,
+            MAX_PHASE_DEVIATION,
+            MAX_GAIN_DEVIATION,
+        )
         for one, high in zip(fields(self), most, strict=True):
             given = getattr(self, one.name)
             if one.name in ("phase", "gain") and np.ndim(given):

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from pacinian.solving.problem import Targets
 from pacinian.solving.solution import Solution
+from pacinian.solving.targets import Targets
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

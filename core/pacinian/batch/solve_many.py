@@ -22,7 +22,8 @@ from pacinian.errors import ArgumentError
 from pacinian.plugins import registry
 from pacinian.plugins.solver import Solver
 from pacinian.solving.blas import limit_blas_threads
-from pacinian.solving.problem import Limits, number_regions
+from pacinian.solving.limits import Limits
+from pacinian.solving.targets import number_regions
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
@@ -35,7 +36,7 @@ if TYPE_CHECKING:
 MAX_PROBLEMS = 1_000_000  # problems in one call
 MAX_GAINS = 1 << 31  # gains of all solutions together: 16 GiB in single precision
 MAX_TRIED = 0.005  # time after which problems are no longer solved one by one [s]
-MIN_FOR_WAITING = 0.01  # time of a batch from which processes that wait for one help [s]
+MIN_FOR_WAITING = 0.01  # smallest duration of a batch for which idle worker processes are used [s]
 MIN_FOR_NEW = 0.15  # time of the batches so far for each process that is started: a start takes 0.1 to 0.4 s [s]
 MIN_IN_PROCESSES = 2e-5  # time of a problem from which the transfer of its solution pays [s]
 MIN_IN_THREADS = 1e-3  # time of a problem below which threads mostly wait for each other [s]

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian.acoustics.propagation import Precision
     from pacinian.plugins.solver import Solver
-    from pacinian.solving.problem import Limits
+    from pacinian.solving.limits import Limits
     from pacinian.solving.solution import Solution
     from pacinian.types import Floats, Longs
 

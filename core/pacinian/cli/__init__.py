@@ -13,7 +13,9 @@ stop.py                    `pacinian stop`: emergency stop
 render.py                  `pacinian render`: renders a scene file, without a server; `--record`
 replay.py                  `pacinian replay`: plays the frames of a recording of `render`
 rerender.py                `pacinian rerender`: renders the scenes of a recording again and compares the frames
-run_output.py              progress bar and summary of `demo` and `render`, late ticks; saves the picture of plot/
+run_output.py              progress bar and summary of `demo` and `render`; saves the picture of plot/
+run_verdict.py             whether the ticks of a run were on time; if not, why
+plugin_blame.py            errors and exits of plug-ins in `demo`, `render`, `replay` and `rerender`
 keys.py                    `pacinian keys`: CURVE keys for connections from other machines
 status.py                  `pacinian status`: one state of the server
 watch.py                   `pacinian watch`: states, live in a terminal

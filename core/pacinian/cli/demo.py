@@ -55,16 +55,9 @@ def demo(
         click.echo(f"A ball circles a button above {count}, for {seconds:g} s ...", err=True)
 
     from pacinian.acoustics.array import autd
-    from pacinian.cli.run_output import (
-        ProcessorMeter,
-        describe_success,
-        forbid_exit,
-        open_renderer,
-        picture,
-        print_summary,
-        progress,
-        summary,
-    )
+    from pacinian.cli.plugin_blame import forbid_exit, open_renderer
+    from pacinian.cli.run_output import picture, print_summary, progress, summary
+    from pacinian.cli.run_verdict import ProcessorMeter, describe_success
     from pacinian.demo_scene import alternate, make_circling_scene
     from pacinian.plugins.registry import backend
     from pacinian.rendering.renderer import Renderer

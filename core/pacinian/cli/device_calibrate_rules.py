@@ -1,4 +1,7 @@
-"""The rules of `pacinian devices calibrate`: pure functions from the fit of a scan to findings."""
+"""The rules of `pacinian devices calibrate`: pure functions from the fit of a scan to findings.
+
+What refuses a scan: devices/scan_check.py.
+"""
 
 from __future__ import annotations
 
@@ -46,7 +49,7 @@ MAX_FILE_CHANGE = 0.02
 # The same limit in standard errors. The larger of the two limits holds.
 MAX_FILE_SURPRISE = 4.0
 # Largest ratio of the measured P0 to the described one, or inverse; beyond, the unit is wrong.
-MAX_STRENGTH_RATIO = 10.0
+MAX_P0_RATIO = 10.0
 
 
 def check_scan(fit: ScanFit, scan: Scan, names: list[str], known: Floats) -> list[Finding]:
@@ -225,7 +228,7 @@ def check_strength(
         return Finding("strength", "ok", f"{text} (described: {described:g} Pa m)", fix)
     text += f", give or take {error:.0%}"
     ratio = fit.pressure / described
-    if not 1.0 / MAX_STRENGTH_RATIO <= ratio <= MAX_STRENGTH_RATIO:
+    if not 1.0 / MAX_P0_RATIO <= ratio <= MAX_P0_RATIO:
         fix = "check the microphone's sensitivity and the unit of the readings: Pa, mPa, uPa"
         return Finding("strength", "warning", f"{text}, {ratio:.2g} times the described", fix)
     fix = f"set pressure = {fit.pressure:.4g} and pressure_error = {error:.3f} under [transducer]"

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 MIN_TRANSDUCER_SPACING = 0.008  # least plausible distance of transducers [m]
 # Largest plausible ratio of a channel's strength to that of its kind, or inverse.
-MAX_STRENGTH_RATIO = 2.0
+MAX_CHANNEL_STRENGTH_RATIO = 2.0
 T4010A1_BAND = 39_000.0, 41_000.0  # band in which a T4010A1 is strong [Hz]
 
 
@@ -41,7 +41,8 @@ def _check_board(board: Board) -> Finding:
     L, size = board.layout.count, np.abs(board.responses)
     dead = np.setdiff1d(np.arange(L), board.alive)
     odd = board.alive[
-        (size[board.alive] > MAX_STRENGTH_RATIO) | (size[board.alive] < 1.0 / MAX_STRENGTH_RATIO)
+        (size[board.alive] > MAX_CHANNEL_STRENGTH_RATIO)
+        | (size[board.alive] < 1.0 / MAX_CHANNEL_STRENGTH_RATIO)
     ]
     text = _count(L, "channel")
     if len(dead):

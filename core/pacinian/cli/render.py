@@ -74,15 +74,9 @@ def render(
     """
     from msgspec.structs import replace
 
-    from pacinian.cli.run_output import (
-        ProcessorMeter,
-        forbid_exit,
-        open_renderer,
-        picture,
-        print_summary,
-        progress,
-        summary,
-    )
+    from pacinian.cli.plugin_blame import forbid_exit, open_renderer
+    from pacinian.cli.run_output import picture, print_summary, progress, summary
+    from pacinian.cli.run_verdict import ProcessorMeter
     from pacinian.rendering.recording import Recorder
     from pacinian.rendering.renderer_from_file import make_renderer
     from pacinian.scene.file import load_scene_file

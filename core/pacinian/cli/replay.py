@@ -29,7 +29,7 @@ def replay(recording: str, backend: str, strict: bool, as_json: bool) -> None:
 
     Sends its frames to a backend, with their original timing. `pacinian rerender` renders its scenes again instead.
     """
-    from pacinian.cli.run_output import blame_plugin, forbid_exit
+    from pacinian.cli.plugin_blame import blame_plugin, forbid_exit
     from pacinian.plugins.registry import backend as make
     from pacinian.plugins.registry import read_capability
     from pacinian.rendering.recording import Recording

@@ -20,7 +20,7 @@ def rerender(recording: str, as_json: bool) -> None:
     Runs as fast as possible, with the recorded decisions, and drives no array. On the same machine the frames are
     identical, bit for bit. Exit code 1 if any frame differs. Differences of versions, kernels and objects are named.
     """
-    from pacinian.cli.run_output import forbid_exit
+    from pacinian.cli.plugin_blame import forbid_exit
     from pacinian.rendering.recording import Recording
     from pacinian.rendering.rerender import rerender as render_again
 

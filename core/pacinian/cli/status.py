@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from pacinian.cli.options import CONNECTION
+from pacinian.cli.run_verdict import TIMELY_SHARE
 from pacinian.errors import replace_unprintable
 from pacinian.skip_reasons import split_skips
 
@@ -24,7 +25,7 @@ OUTPUT_COLOURS = {
     "stopped": "bold red",
     "faulted": "bold red",
 }
-MAX_LATE_SHARE = 0.05  # share of late ticks above which they are coloured
+
 BULK = {  # type and width of the rows
     "points": ("<f4", 3),
     "normals": ("<f4", 3),
@@ -103,7 +104,7 @@ def make_table(state: State) -> Table:
     made.add_column(style="dim", no_wrap=True)
     made.add_column(overflow="fold")
     colours = {"output": OUTPUT_COLOURS[state.output], "why": OUTPUT_COLOURS[state.output]}
-    if state.late > MAX_LATE_SHARE * state.ticks:
+    if state.ticks - state.late < TIMELY_SHARE * state.ticks:
         colours["ticks"] = "yellow"
     if split_skips(state.skipped).problems:
         colours["left out"] = "yellow"

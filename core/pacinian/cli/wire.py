@@ -16,10 +16,11 @@ def wire(schema: bool) -> None:
 
     By this, a program in any language can talk to it.
     """
+    from pacinian.serving.settings import Safety
     from pacinian.wire.asyncapi import make_asyncapi
     from pacinian.wire.markdown import make_guide, make_reference
 
     if schema:
         click.echo(json.dumps(make_asyncapi(), indent=2))
     else:
-        click.echo(f"{make_guide()}\n{make_reference()}".rstrip())
+        click.echo(f"{make_guide(Safety().lease)}\n{make_reference()}".rstrip())

@@ -1,7 +1,4 @@
-"""`pacinian.Client`: lets a game or a script render its scene on a server's array.
-
-The default time limit of a reply is in reconnecting_client.py.
-"""
+"""`pacinian.Client`: lets a game or a script render its scene on a server's array."""
 
 from __future__ import annotations
 
@@ -14,6 +11,7 @@ from pacinian.argument_checks import check_number
 from pacinian.client import messages
 from pacinian.client.emergency_stop import emergency_stop
 from pacinian.client.reconnecting_client import ReconnectingClient
+from pacinian.client.timeouts import CHANGE_TIMEOUT
 from pacinian.errors import ConnectionLost, ServerError, WireError
 from pacinian.wire import commands, control, replies
 from pacinian.wire.binary_arrays import unpack
@@ -31,12 +29,10 @@ if TYPE_CHECKING:
     from pacinian.scene.modulation.technique import Technique
     from pacinian.scene.motion import Motion
     from pacinian.scene.objects import Object
-    from pacinian.solving.felt_regions import FeltRegion
+    from pacinian.solving.felt_figures import FeltRegion
     from pacinian.solving.quiet_zone import Zone
     from pacinian.types import ArrayLike, Complexes
     from pacinian.wire.silence_cause import Silence
-
-CHANGE_TIMEOUT = 12.0  # time limit for a new solver or backend to be ready [s]
 
 
 class Client(ReconnectingClient):

@@ -7,6 +7,7 @@ import time
 from typing import TYPE_CHECKING
 
 from pacinian.client.connection_keys import resolve_connection
+from pacinian.client.timeouts import REPLY_TIMEOUT
 from pacinian.errors import ConnectionLost, Refused
 from pacinian.wire.stop_datagram import request_stop
 
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 def emergency_stop(
     connection: Connection | Path | str | None = None,
     *,
-    timeout: float = 2.0,
+    timeout: float = REPLY_TIMEOUT,
     keys: Path | str | None = None,
 ) -> None:
     """Silence the array at once, whoever owns the output, until `Client.reset`.

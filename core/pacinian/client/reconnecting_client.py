@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 from pacinian.argument_checks import check_number
 from pacinian.client.connection_keys import resolve_connection
 from pacinian.client.server_session import ServerSession
+from pacinian.client.timeouts import REPLY_TIMEOUT
 from pacinian.closeable import Closeable
 from pacinian.errors import ConnectionLost, ServerError
 
@@ -35,7 +36,7 @@ class ReconnectingClient(Closeable):
         name: str = "python",
         scene: str = "",
         lease: float | None = None,
-        timeout: float = 2.0,
+        timeout: float = REPLY_TIMEOUT,
         keys: Path | str | None = None,
         reconnect: bool = False,
         clock: Callable[[], float] = time.perf_counter,

@@ -10,7 +10,7 @@ from msgspec.structs import force_setattr
 
 from pacinian.acoustics.array import MIN_STRENGTH
 from pacinian.acoustics.pose import Pose
-from pacinian.acoustics.uncertainty import MAX_GAIN, MAX_PHASE
+from pacinian.acoustics.uncertainty import MAX_GAIN_DEVIATION, MAX_PHASE_DEVIATION
 from pacinian.argument_checks import check_number
 from pacinian.devices.layouts import AutdUnit, Grid, Places
 from pacinian.errors import ArgumentError
@@ -53,8 +53,8 @@ class Board(Struct, frozen=True, forbid_unknown_fields=True):
         for name, low, high in (
             ("gain", 0.0, MAX_STRENGTH),
             ("phase", -1e3, 1e3),
-            ("gain_error", 0.0, MAX_GAIN),
-            ("phase_error", 0.0, MAX_PHASE),
+            ("gain_error", 0.0, MAX_GAIN_DEVIATION),
+            ("phase_error", 0.0, MAX_PHASE_DEVIATION),
         ):
             value: float | tuple[float, ...] = getattr(self, name)
             if isinstance(value, tuple):

@@ -12,9 +12,9 @@ from msgspec.structs import replace
 
 from pacinian.argument_checks import check_integer, check_number
 from pacinian.atomic_file import replace_file
+from pacinian.config_files import read_bytes
 from pacinian.devices.board import GAIN_SCATTER, PHASE_SCATTER
 from pacinian.errors import ArgumentError, SceneFileError
-from pacinian.toml_json_files import read_bytes
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -13,12 +13,12 @@ from msgspec.structs import replace
 from pacinian.acoustics.array import Array
 from pacinian.acoustics.directivity import DIRECTIVITIES, DirectivityTable
 from pacinian.acoustics.transducer import Transducer
-from pacinian.acoustics.uncertainty import MAX_PRESSURE, Uncertainty
+from pacinian.acoustics.uncertainty import MAX_PRESSURE_DEVIATION, Uncertainty
 from pacinian.argument_checks import check_integer, check_number
+from pacinian.config_files import decode_document, json_schema
 from pacinian.devices.board import Board
 from pacinian.devices.calibration import apply_calibration
 from pacinian.errors import ArgumentError, SceneFileError
-from pacinian.toml_json_files import decode_document, json_schema
 
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats, Indices
@@ -37,7 +37,7 @@ class TransducerType(Struct, frozen=True, forbid_unknown_fields=True):
     directivity: Literal["omni", "t4010a1"] | DirectivityTable = "t4010a1"
 
     def __post_init__(self) -> None:
-        check_number("pressure_error", self.pressure_error, low=0.0, high=MAX_PRESSURE)
+        check_number("pressure_error", self.pressure_error, low=0.0, high=MAX_PRESSURE_DEVIATION)
         self.make()
 
     def make(self) -> Transducer:

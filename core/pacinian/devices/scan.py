@@ -34,10 +34,10 @@ import numpy as np
 from msgspec.structs import replace
 
 from pacinian.argument_checks import check_integer, check_number, check_numbers
+from pacinian.config_files import MAX_BYTES, decode_document
 from pacinian.devices.calibration import MAX_PHASE
-from pacinian.devices.scan_fit import MAX_POSITIONS
+from pacinian.devices.scan_check import MAX_POSITIONS
 from pacinian.errors import ArgumentError, MissingExtra, SceneFileError
-from pacinian.toml_json_files import MAX_BYTES, decode_document
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -8,7 +8,7 @@ X_mn is the reading of the microphone at position m while only transducer n is d
 phase, is one complex number for each file f of the scan. The factor of the first file cannot be separated from a factor
 common to all responses. So the responses have mean strength 1 and common phase 0, and that factor is P0 in the
 microphone's unit. The factors of the other files are relative to the first. `pacinian.devices.scan_robust_fit` has the
-method.
+method. What refuses a scan: `pacinian.devices.scan_check`.
 """
 
 from __future__ import annotations
@@ -21,12 +21,21 @@ from scipy.sparse.csgraph import connected_components
 
 from pacinian.acoustics.air import Air
 from pacinian.argument_checks import check_near, check_number, check_numbers
+from pacinian.devices.scan_check import (
+    MAX_POSITIONS,
+    MIN_POSITIONS,
+    check_corrections,
+    check_count,
+    check_files,
+    describe_misfit,
+)
 from pacinian.devices.scan_robust_fit import (
     MAX_MATCHING_RESIDUAL,
     MAX_SPEED,
     MIN_NOISE,
     MIN_SPEED,
     MIN_SUM,
+    SHARED,
     TYPICAL,
     Prior,
     ScanModel,
@@ -40,11 +49,8 @@ if TYPE_CHECKING:
     from pacinian.acoustics.pose import Pose
     from pacinian.types import ArrayLike, Complexes, Flags, Floats, Longs
 
-MIN_POSITIONS, MAX_POSITIONS = 6, 1000
 POSITION_ERROR = 1e-3  # standard error of the microphone's coordinates [m]
 SHIFT_ERROR, TURN_ERROR = 1e-3, 5e-3  # of the array's pose in the microphone's frame [m], [rad]
-MAX_MOVE = 2.0  # rms correction of the positions, in standard errors
-MAX_POSE_MOVE = 5.0  # rms correction of the pose, in standard errors
 # Largest misfit at a position, relative to that of the scan; beyond, the position is doubtful.
 MAX_POSITION_MISFIT_RATIO = 2.0
 MAX_ERROR = 0.1  # relative error of a response from noise; beyond, the transducer is unseen
@@ -55,12 +61,6 @@ MIN_SCANNED_STRENGTH = 0.1  # strength relative to the mean; below, the transduc
 # information about a parameter from the scan, relative to its prior; below, the parameter is unknown
 MIN_INFORMATION = 0.1
 MIN_SHARE = 0.2  # smallest share in an unknown combination for which a parameter is named
-SHARED = (
-    "speed of sound",
-    "absorption of the air",
-    *(f"shift of the array along {axis}" for axis in "xyz"),
-    *(f"turn of the array about {axis}" for axis in "xyz"),
-)  # what all positions have in common
 REMEDIES = {
     SHARED[0]: "give the temperature, or measure at distances that differ by a factor of two",
     **dict.fromkeys(
@@ -164,7 +164,7 @@ def fit_scan(
     X = np.asarray(readings, np.complex128)
     if X.shape != (len(q0), len(array)):
         raise ArgumentError("readings", f"must have shape {(len(q0), len(array))}, not {X.shape}")
-    number = _check_files(files, X.shape)
+    number = check_files(files, X.shape)
     if len(q0) > MAX_POSITIONS:
         raise ArgumentError("positions", f"must be at most {MAX_POSITIONS}, not {len(q0)}")
     read = ~np.isnan(X)
@@ -189,25 +189,13 @@ def fit_scan(
             "positions cannot be distinguished from errors of the phases"
         )
         raise ArgumentError("positions", "; ".join([few, *vague]))
-    _check_count(read, int(group.max()))
+    check_count(read, int(group.max()))
     best = fit_model(array, q0, X, read, own, prior)
     if best.residual > MAX_MATCHING_RESIDUAL:
         turned = fit_model(array, q0, X.conj(), read, own, prior)
-        raise ArgumentError("readings", _advise(best.residual, turned.residual))
-    _check_corrections(best, q0, prior)
+        raise ArgumentError("readings", describe_misfit(best.residual, turned.residual))
+    check_corrections(best, q0, prior)
     return _make_fit(best, size, best.prior.widths / prior.widths, group)
-
-
-def _check_files(files: ArrayLike, shape: tuple[int, int]) -> Longs:
-    """Return the number of the file of each reading, (M, N). Raises ArgumentError."""
-    given = np.asarray(files)
-    whole = given.dtype.kind in "iu"
-    if not whole or (given.size and not 0 <= int(given.min()) <= int(given.max()) < MAX_POSITIONS):
-        raise ArgumentError("files", f"must be whole numbers from 0 to {MAX_POSITIONS - 1}")
-    try:
-        return np.array(np.broadcast_to(given, shape), np.int64)
-    except ValueError:
-        raise ArgumentError("files", f"must broadcast to {shape}, not {given.shape}") from None
 
 
 def _group_files(files: Longs, read: Flags) -> Longs:
@@ -222,60 +210,6 @@ def _group_files(files: Longs, read: Flags) -> Longs:
     own = np.ones(F, np.bool_)
     own[np.unique(part, return_index=True)[1]] = False
     return np.where(own, np.cumsum(own), 0)
-
-
-def _check_count(read: Flags, factors: int) -> None:
-    """Raise ArgumentError if there are fewer readings than unknowns.
-
-    read: which there are, (M, N). factors: number of files with a factor of their own.
-    """
-    M, T, count = len(read), int(read.any(axis=0).sum()), int(read.sum())
-    unknowns = 2 * T + 3 * M + len(SHARED) + 2 * factors
-    if 2 * count <= unknowns:
-        raise ArgumentError(
-            "readings",
-            f"are {2 * count} numbers for {unknowns} unknowns (2 for each of {T} transducers, 3 for each of {M} "
-            f"positions, {len(SHARED)} for the air and the pose): the phases of the transducers cannot be "
-            f"distinguished from the positions, the {SHARED[0]} and the pose. Read more transducers at each position: "
-            f"{(unknowns // 2) // M + 1} or more",
-        )
-
-
-def _check_corrections(model: ScanModel, positions: Floats, prior: Prior) -> None:
-    """Raise ArgumentError if the fit moves the positions or the array much farther than their stated errors.
-
-    positions: as given [m], (M, 3). prior: with the stated errors.
-    """
-    moved = float(np.sqrt(np.mean((model.positions - positions) ** 2)))
-    if moved > MAX_MOVE * prior.position:
-        raise ArgumentError(
-            "positions",
-            f"would be corrected by {1e3 * moved:.1f} mm rms in each coordinate, for an error of "
-            f"{1e3 * prior.position:g} mm: measure them again, and check the order of the channels, and the "
-            "temperature if it is given",
-        )
-    pose = np.r_[model.shift, model.turn] / prior.shared[2:]
-    if float(np.sqrt(np.mean(pose**2))) > MAX_POSE_MOVE:
-        raise ArgumentError(
-            "positions",
-            f"fit only an array that is shifted by {1e3 * np.linalg.norm(model.shift):.1f} mm and turned by "
-            f"{np.linalg.norm(model.turn):.3f} rad, much more than the stated error of its pose: measure the pose "
-            "again, and check the order of the channels",
-        )
-
-
-def _advise(residual: float, turned: float) -> str:
-    text = f"do not fit the array: {residual:.0%} of a typical one is not explained. "
-    if turned <= MAX_MATCHING_RESIDUAL:
-        return text + (
-            "They fit if the sign of all phases is reversed. A phase must be positive where the sound leads the "
-            "reference. If your phases already follow this rule, the channels may be in reverse order"
-        )
-    return text + (
-        "Check the positions (in metres, in the frame of the description), the order of the channels, the drive "
-        "frequency, and the temperature. Check that all phases are in radians and have the same reference, and that "
-        "the readings are from this array"
-    )
 
 
 def _find_vague(model: ScanModel) -> tuple[str, ...]:

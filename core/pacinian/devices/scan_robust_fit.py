@@ -51,6 +51,14 @@ MIN_NOISE = 1e-4  # noise floor, relative to the quantile to which readings are 
 MIN_SUM = 1e-300  # floor of sums of squares that are divisors
 MEDIAN = math.sqrt(2.0 * math.log(2.0))  # median of a Rayleigh distribution of unit scale
 
+# Names of the parameters that all positions share, in the order of `Prior.shared`.
+SHARED = (
+    "speed of sound",
+    "absorption of the air",
+    *(f"shift of the array along {axis}" for axis in "xyz"),
+    *(f"turn of the array about {axis}" for axis in "xyz"),
+)
+
 
 @dataclass(frozen=True)
 class Prior:

@@ -15,6 +15,8 @@ DRIVER = "it has no driver that programs may use: give it WinUSB with Zadig (htt
 UNREADABLE = "it does not answer: unplug it and plug it in again"
 LIBRARY = "libusb is not installed: `apt install libusb-1.0-0`, or `pip install libusb-package`"
 HANGS = "it hangs, or the bus is overloaded"
+RESET_ADVICE = "reset the server, or open the backend again"
+"""What to do after the cause of a device's fault is removed."""
 
 
 def has_gone(error: Exception) -> bool:

@@ -7,6 +7,17 @@
 #include "pacinian/scene/non_finite.hpp"
 #include "pacinian/solving/non_finite.hpp"
 
+// module.cpp calls these.
+namespace pacinian::scene {
+void define_non_finite(nb::module_& m);
+void define_non_finite(nb::module_& m) { define_checked(m); }
+}  // namespace pacinian::scene
+
+namespace pacinian::solving {
+void define_non_finite(nb::module_& m);
+void define_non_finite(nb::module_& m) { define_checked(m); }
+}  // namespace pacinian::solving
+
 namespace pacinian::rendering {
 
 void define(nb::module_& m);

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pacinian.plot.page import figure, set_title
+from pacinian.plot.style import MAP
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     from pacinian.types import Floats
 
 ANGLE = 35.0, -60.0  # [deg] elevation and azimuth
-MAP, DEAD = "viridis", "#d62728"
+DEAD = "#d62728"
 MAX_BOARDS = 16  # maximum number of boards drawn one by one
 DOT, RING = 0.7, 1.0  # diameters of a dot at full strength and of a ring, over the pitch
 ONE_PITCH = 10.0  # pitch of a board of one transducer [mm]

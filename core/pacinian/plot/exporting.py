@@ -19,7 +19,7 @@ from pacinian.plot.fields import NONE, cut_both
 from pacinian.plot.mesh_colours import make_plain_mesh, make_textured_mesh, picture, strip, wheel
 from pacinian.plot.outlines import find_pose
 from pacinian.plot.quantities import compute_colour_limits, find_distant_points
-from pacinian.plot.style import METAL, SKIN, THING
+from pacinian.plot.style import METAL, SAMPLES_MAP, SKIN, THING
 from pacinian.plot.volumes import isosurface, volume
 from pacinian.scene.sampling.samples import Samples
 from pacinian.scene.scene import Scene
@@ -129,7 +129,7 @@ class _Model:
         balls, P = meshes.spots(samples.positions), samples.radiation_pressure
         most = float(P.max()) or 1.0
         uv = np.stack([P / most, np.full(len(P), 0.5)], axis=-1)
-        self.add("samples", make_textured_mesh(balls, uv[balls.thing], strip("inferno")))
+        self.add("samples", make_textured_mesh(balls, uv[balls.thing], strip(SAMPLES_MAP)))
         self.extras["samples, most radiation pressure asked [Pa]"] = most
 
     def planes(self, array: Array, gains: ArrayLike, points: Floats, medium: Air) -> None:

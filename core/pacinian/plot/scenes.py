@@ -12,6 +12,7 @@ from pacinian.plot.fields import check_array_and_medium, cut_both, draw_both
 from pacinian.plot.outlines import draw_outlines, find_pose
 from pacinian.plot.page import figure, set_title
 from pacinian.plot.planes import middle_of
+from pacinian.plot.style import SAMPLES_MAP
 from pacinian.scene.objects import Body
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ LONE_DOT, RIM = 0.014, 1.4
 ZOOMS, LONE_ZOOM = (1.34, 1.45), 1.3
 NARROWEST = 9.0  # [inch]
 MAX_SAMPLE_RATIO = 0.65  # largest diameter of a sample, over the distance to the next
-MAP = "inferno"
+
 INK = 0.12, 0.14, 0.18
 
 
@@ -89,7 +90,7 @@ def _views(part: Any, array: Array, scene: Scene, samples: Samples, t: float) ->
     high[2] = max(high[2], middle[2] + 0.08)
     boxes = np.array([low, high]), np.array([middle - SAMPLE_MARGIN, middle + SAMPLE_MARGIN])
     P = samples.radiation_pressure
-    scale = ScalarMappable(Normalize(0.0, float(P.max(initial=1e-9))), MAP)
+    scale = ScalarMappable(Normalize(0.0, float(P.max(initial=1e-9))), SAMPLES_MAP)
     lone = not any(isinstance(item, Body) for item in scene.objects) and all(
         hand.lost for hand in scene.hands
     )

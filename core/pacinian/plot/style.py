@@ -16,7 +16,7 @@ TEXT, SMALL = 8.0, 7.0  # [pt]: labels; ticks, legends, notes
 THIN, LINE = 0.6, 1.0  # [pt]: frames; curves
 MAX_LAYOUT_PASSES = 6  # maximum number of layout passes, until nothing is cut off
 
-MAP, CYCLIC = "viridis", "twilight"
+MAP, CYCLIC, SAMPLES_MAP = "viridis", "twilight", "inferno"
 # The colours of Okabe and Ito.
 BLUE, RED, GREEN, PINK, ORANGE = "#0072b2", "#d55e00", "#009e73", "#a8508a", "#e69f00"
 GREY = "0.55"

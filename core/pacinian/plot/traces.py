@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from pacinian.acoustics.array import Array
     from pacinian.plot.labels import Text
     from pacinian.plugins.solver import Solver
-    from pacinian.solving.problem import Limits
+    from pacinian.solving.limits import Limits
     from pacinian.types import ArrayLike
 
 MIN_ERROR = 1e-6  # least relative error drawn, about single precision

@@ -11,9 +11,11 @@ import numpy as np
 from pacinian.errors import PluginError, shorten
 
 if TYPE_CHECKING:
-    from pacinian.solving.problem import Budget, Limits, Targets
+    from pacinian.solving.budget import Budget
+    from pacinian.solving.limits import Limits
     from pacinian.solving.propagator import Propagator
     from pacinian.solving.solution import Solution
+    from pacinian.solving.targets import Targets
     from pacinian.types import Complexes, Gains
 
 

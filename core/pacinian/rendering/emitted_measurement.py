@@ -13,9 +13,10 @@ from pacinian.region_numbers import BESIDE
 from pacinian.rendering.reachability import ReachabilityFilter
 from pacinian.scene.sampling.sample_counts import label_object
 from pacinian.scene.sampling.touched_skin import stays_on_skin
-from pacinian.solving.felt_regions import FeltPlaces, FeltSums
-from pacinian.solving.problem import Targets
+from pacinian.solving.felt_figures import FeltSums
+from pacinian.solving.felt_places import FeltPlaces
 from pacinian.solving.propagator import Propagator
+from pacinian.solving.targets import Targets
 
 if TYPE_CHECKING:
     from pacinian.scene.sampling.samples import Samples
@@ -71,7 +72,7 @@ class Probe:
     def measure_on_skin(self, places: Samples, gains: Gains) -> dict[str, FeltSums]:
         """Return the sums at places on touched skin and beside it, by the label of each object that touches it.
 
-        places: as returned by `Sampler.scatter_places`. gains: as for `measure_between`.
+        places: as returned by `TouchedSkinObserver.scatter_places`. gains: as for `measure_between`.
         """
         found: dict[str, FeltSums] = {}
         if not len(places) or places.capsules is None:

@@ -16,17 +16,18 @@ from pacinian.rendering.measurement_schedule import (
     MeasurementSchedule,
 )
 from pacinian.rendering.solution_sequence import RISEN_FROM
-from pacinian.scene.sampling.sampler import Sampler
+from pacinian.scene.sampling.touched_skin import TouchedSkinObserver
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from pacinian.rendering.playback import Playback
     from pacinian.rendering.solution_sequence import SolveResult
+    from pacinian.scene.sampling.sampler import Sampler
     from pacinian.scene.sampling.samples import Samples
     from pacinian.scene.scene import Scene
     from pacinian.session import Session
-    from pacinian.solving.problem import Limits
+    from pacinian.solving.limits import Limits
     from pacinian.types import Floats, Gains
 
 
@@ -63,8 +64,7 @@ class FeltMonitor:
         """Forget what has been played and measured."""
         self._schedule = MeasurementSchedule()
         self._moment: _Moment | None = None
-        self._observer = Sampler(perception=False)
-        self._observer.prepare(self._session.array, self._session.medium)
+        self._observer = TouchedSkinObserver(self._session.array, self._session.medium)
 
     def forget(self) -> None:
         """Forget what was kept and measured, so that the next measurement does not depend on how long the last took."""
@@ -81,7 +81,7 @@ class FeltMonitor:
         self._schedule.pass_ticks(result.solutions, ticks, rising=rising)
         if self._moment is None and self._schedule.begin(result.solutions):
             time = t + float(self._playback.times[-1])
-            gains = self._playback.copy_carriers()
+            gains = self._playback.copy_plain_gains()
             self._moment = _Moment(scene, time, result, limits, gains)
 
     def take_job(self) -> Callable[[], Measurement | None] | None:

@@ -75,7 +75,7 @@ class Motion(NamedTuple):
         return np.asarray(self.centre + self.shift + ahead * self.velocity)
 
 
-class MotionTracker:
+class SampleMotion:
     """Follows samples from solve to solve."""
 
     def __init__(self, array: Array) -> None:

@@ -206,7 +206,7 @@ class Cycle:
             del self.frames[count:]
         while len(self.frames) < count:
             session = Session(first.array, first.medium, first.solver, clock=first.clock)
-            session.note = first.note
+            session.record_decision = first.record_decision
             session.propagator.work = first.propagator.work
             self.frames.append(CycleFrame(session, ReachabilityFilter(session.propagator)))
         for frame, tilt in zip(self.frames, TILTS if self._tilted else (0.0,) * count, strict=True):

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
     from pacinian.rendering.field_steering import Motion
     from pacinian.rendering.solution_sequence import SolutionSequence
-    from pacinian.solving.felt_regions import FeltSums
+    from pacinian.solving.felt_figures import FeltSums
 
 TICKS_PER_MEASUREMENT = 64  # smallest number of ticks between measurements of the emitted field
 # Largest random number of additional ticks, so that measurements fall at all moments between two solutions.

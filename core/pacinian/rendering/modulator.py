@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.rendering.envelope_gains import (
+    MIN_POWER,
     EnvelopeFade,
     Source,
     group_amplitudes,
@@ -20,10 +21,8 @@ if TYPE_CHECKING:
     from pacinian.rendering.cached_solution import CachedSolution
     from pacinian.rendering.smoothing import Smoothing
     from pacinian.rendering.solution_sequence import SolutionSequence
-    from pacinian.solving.problem import Limits
+    from pacinian.solving.limits import Limits
     from pacinian.types import Floats, Gains, Singles
-
-MIN_POWER = 1e-30  # smallest power used as a divisor
 
 
 class Slot:
@@ -68,7 +67,7 @@ class Modulator:
         self.times, self._gap = times, gap
         self.steady = False
         """Whether the next tick's rows will all equal the last row, if nothing changes."""
-        self._carriers = np.zeros((K, N), dtype=np.complex64)
+        self._plain = np.zeros((K, N), dtype=np.complex64)
         self._smooth = np.zeros((K, N), dtype=np.complex64)
         self._rows = np.zeros((K, N), dtype=np.complex64)
 
@@ -90,7 +89,7 @@ class Modulator:
             smoother.settled = False
         self.steady = False
 
-    def copy_carriers(self) -> Gains:
+    def copy_plain_gains(self) -> Gains:
         """Return the last gains of the frames that take turns, without envelopes, (K, N)."""
         return np.array(
             [of.gains for of in [slot.smoother for slot in self._slots] or [self.smoother]]
@@ -157,9 +156,9 @@ class Modulator:
         np.matmul((turn * a.T).astype(np.complex64), one.contributions, out=self._rows)
 
     def _follow(self, solved: list[CachedSolution], play: SolutionSequence, ticks: int) -> None:
-        carriers = self._carriers[: len(solved)]
-        for carrier, one in zip(carriers, solved, strict=True):
-            carrier[:] = one.gains
+        plain = self._plain[: len(solved)]
+        for gains, one in zip(plain, solved, strict=True):
+            gains[:] = one.gains
         # An intended jump of a focus is not smoothed. New limits apply from the first row on; from silence they hold.
         limited = self._limits is not None and self._limits != play.limits
         jumps = play.each or (limited and self.smoother.gains.any())
@@ -172,17 +171,17 @@ class Modulator:
             play.rows, 1.0 if rate is None else min(rate * self._gap, 1 / max(self._span, 1))
         )
         if play.cycle or (self._slots and not play.each):
-            self._follow_slots(carriers, solved, play, ticks, settings)
+            self._follow_slots(plain, solved, play, ticks, settings)
         else:
             self._slots, self.smoother.settings = [], settings
             span = 1 if settings.rate is None else self._span
-            self.smoother.follow(carriers, self._gap, self._smooth, span, play.growth, self.phases)
+            self.smoother.follow(plain, self._gap, self._smooth, span, play.growth, self.phases)
         self._span -= len(self.times)
         self._followed = solved
 
     def _follow_slots(
         self,
-        carriers: Gains,
+        plain: Gains,
         solved: list[CachedSolution],
         play: SolutionSequence,
         ticks: int,
@@ -192,7 +191,7 @@ class Modulator:
 
         After the cycle, all frames move towards the one solution, until they have reached it.
 
-        carriers: gains of `solved`; one for each row, or one for all.
+        plain: gains of `solved`; one for each row, or one for all.
         """
         count = len(play.rows) if play.cycle else len(self._slots)
         if len(self._slots) != count:
@@ -208,7 +207,7 @@ class Modulator:
             span = 1 if settings.rate is None else slot.span
             row = self._smooth[n : n + 1]
             gap = count * self._gap
-            slot.smoother.follow(carriers[k : k + 1], gap, row, span, play.growth, self.phases)
+            slot.smoother.follow(plain[k : k + 1], gap, row, span, play.growth, self.phases)
             slot.span -= 1
         ended = not play.cycle and all(
             slot.solved is solved[0] and slot.smoother.settled for slot in self._slots

@@ -38,7 +38,7 @@ from pacinian.scene.sampling.sample_counts import SampleCounts
 from pacinian.scene.sampling.samples import no_samples
 from pacinian.scene.scene import Scene
 from pacinian.skip_reasons import MEASUREMENTS_FAILED, NOT_DUE, NOTHING_CHANGED, UNDER_WAY
-from pacinian.solving.problem import Limits
+from pacinian.solving.limits import Limits
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -359,7 +359,9 @@ class Pipeline:
         if self._seen and self._seen.objects:  # without objects, the sound must end soon
             limit *= 1.0 if self._outdated else self.deadline.factor
         overdue = self.stages.now() - self._started >= limit
-        return bool(self._clocks.tick.note(lambda: float(overdue or self.background.done)))
+        return bool(
+            self._clocks.tick.record_decision(lambda: float(overdue or self.background.done))
+        )
 
     def _discard_job(self) -> None:
         """Wait for the job in the background, if one runs, and drop its result."""
@@ -401,7 +403,7 @@ class Pipeline:
         """
         if not self.deadline.unhurried:
             return False
-        return bool(self._clocks.job.note(lambda: float(self._outdated)))
+        return bool(self._clocks.job.record_decision(lambda: float(self._outdated)))
 
     def _find_play_time(self, t: float, in_background: bool) -> float:
         """Return the scene time for which a job that begins at time t solves [s].

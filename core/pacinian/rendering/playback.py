@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from pacinian.plugins.backend import Capability, Frame
     from pacinian.rendering.smoothing import Smoothing
     from pacinian.rendering.solution_sequence import SolutionSequence
-    from pacinian.solving.problem import Limits
+    from pacinian.solving.limits import Limits
     from pacinian.types import Floats, Gains
 
 # Number of amplitude levels from which rounding to the nearest level adds less sound in quiet zones than dither. With
@@ -120,9 +120,9 @@ class Playback:
         """Return whether a frame repeats the one before."""
         return frame is not self._frame
 
-    def copy_carriers(self) -> Gains:
+    def copy_plain_gains(self) -> Gains:
         """Return the last gains of the frames that take turns, without envelopes and before rounding, (K, N)."""
-        return self._steering.repeat(self.modulator.copy_carriers())
+        return self._steering.repeat(self.modulator.copy_plain_gains())
 
     def find_highest_amplitudes(self, play: SolutionSequence) -> Floats:
         """Return the highest amplitude of each transducer from now until the output has reached `play`, (N,)."""
@@ -131,8 +131,8 @@ class Playback:
             for one in dict.fromkeys(play.rows)
         ]
         solved = [np.abs(gains).sum(axis=0, keepdims=True) for gains in parts]
-        carriers = np.abs(self.modulator.copy_carriers())
-        return np.asarray(np.concatenate([carriers, *solved]).max(axis=0), np.float64)
+        plain = np.abs(self.modulator.copy_plain_gains())
+        return np.asarray(np.concatenate([plain, *solved]).max(axis=0), np.float64)
 
     def quantise_gains(self, gains: Gains, limits: Limits) -> Gains:
         """Return gains, (N,), as rounded by the device."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.acoustics.array import Array
-from pacinian.acoustics.propagation import matrix
+from pacinian.acoustics.propagation import SAMPLE_TOUCHING_DISTANCE, matrix
 from pacinian.argument_checks import MAX_LENGTH
 from pacinian.errors import PointOnTransducer
 from pacinian.native import rendering as kernels
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from pacinian.solving.propagator import Propagator
     from pacinian.types import Flags, Floats, Longs
 
-TOUCHING_DISTANCE = 1e-5  # a sample this close to a transducer counts as on it [m]
 # Cell size of the power cache [m], and largest number of its cells.
 CELL_SIZE, MAX_CELLS = 0.02, 10_000
 MAX_SUBSET = 128  # largest number of transducers used to compute the power in a cell
@@ -39,7 +38,7 @@ class ReachabilityFilter:
         self._cells: Longs = np.empty(0, np.int64)  # known cells, ascending
         self._powers: Floats = np.empty(0)  # in these cells [Pa^2]
         away = np.abs(array.positions - self._propagator.origin)
-        self._extent = away.max(axis=0) + TOUCHING_DISTANCE  # [m]
+        self._extent = away.max(axis=0) + SAMPLE_TOUCHING_DISTANCE  # [m]
 
     def find_reachable(self, q: Floats, skipped: Counter[str]) -> Flags:
         """Return which points of q, (M, 3) [m], sound can reach, (M,): not too far away, and not on a transducer.
@@ -72,7 +71,9 @@ class ReachabilityFilter:
         if self._medium.singular and inside.any():
             for m in np.flatnonzero(inside & ~far):
                 r = self._array.positions - q[m]
-                on[m] = (r * r).sum(axis=1).min() < TOUCHING_DISTANCE**2  # where no hand can be
+                on[m] = (r * r).sum(
+                    axis=1
+                ).min() < SAMPLE_TOUCHING_DISTANCE**2  # where no hand can be
         return far, on
 
     def share(self, q: Floats, facing: SkinFacing, skipped: Counter[str]) -> Floats:

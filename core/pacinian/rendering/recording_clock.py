@@ -17,7 +17,7 @@ class RecordingClock:
 
     def __init__(self, now: Callable[[], float], *, stops: bool = False) -> None:
         self._now, self._stops = now, stops
-        self._noted: list[float] = []
+        self._recorded: list[float] = []
         self._replayed: list[float] | None = None
         self._place = 0
         self._last: float | None = None  # reading that was replayed last [s]
@@ -29,13 +29,13 @@ class RecordingClock:
 
     def now(self) -> float:
         """Return the time [s]. Raises LookupError if a replay reads the clock more often than was recorded."""
-        return self.note(self._now)
+        return self.record_decision(self._now)
 
-    def note(self, read: Callable[[], float]) -> float:
+    def record_decision(self, read: Callable[[], float]) -> float:
         """Return `read()`, or in a replay what it returned when it was recorded. Raises LookupError as `now` does."""
         if self._replayed is None:
             value = read()
-            self._noted.append(value)
+            self._recorded.append(value)
             return value
         if self._place >= len(self._replayed):
             if self._stops and self._last is not None:
@@ -47,12 +47,12 @@ class RecordingClock:
 
     def take(self) -> list[float]:
         """Return the readings since the last call, and clear them."""
-        noted, self._noted = self._noted, []
-        return noted
+        recorded, self._recorded = self._recorded, []
+        return recorded
 
-    def tell(self, noted: list[float]) -> None:
+    def tell(self, recorded: list[float]) -> None:
         """Replay these readings from now on, instead of the time."""
-        self._replayed, self._place = noted, 0
+        self._replayed, self._place = recorded, 0
 
 
 class RecordingClocks(NamedTuple):

@@ -35,7 +35,7 @@ from pacinian.scene.scene import Scene
 from pacinian.session import Session
 from pacinian.skip_reasons import MISSED_TICKS, TICKS_HALTED
 from pacinian.solving.blas import limit_blas_threads
-from pacinian.solving.problem import Limits
+from pacinian.solving.limits import Limits
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
@@ -54,8 +54,8 @@ if TYPE_CHECKING:
     from pacinian.rendering.solution_sequence import SolutionSequence
     from pacinian.scene.sampling.sample_counts import ObjectSampleCounts
     from pacinian.scene.sampling.samples import Samples
-    from pacinian.solving.problem import Targets
     from pacinian.solving.solution import Solution
+    from pacinian.solving.targets import Targets
     from pacinian.types import Floats, Gains
 
 MAX_DURATION = 1e9  # longest duration of a run [s]
@@ -132,7 +132,7 @@ class Renderer(Closeable):
         self.clock = clock or SystemClock()
         self.recording_clocks = clocks = RecordingClocks.make(self.clock.now)
         self.session = Session(array, medium, solver, clock=clocks.job.now)
-        self.session.note = clocks.job.note
+        self.session.record_decision = clocks.job.record_decision
         made = registry.backend(backend) if isinstance(backend, str) else backend
         check_kind("backend", made, Backend)
         capability = registry.read_capability(made)
@@ -447,7 +447,9 @@ class Renderer(Closeable):
         stages.begin("scene", self.report, begin)
         t = check_number("clock", due - self.start)
         scene = self._scene(t)
-        self._skins.load_new(scene.hands, self.recording_clocks.tick.note, self._fall_silent)
+        self._skins.load_new(
+            scene.hands, self.recording_clocks.tick.record_decision, self._fall_silent
+        )
         limits, solver = self.limits, self.session.solver  # other threads may set them at any time
         frame = pipeline.make_frame(scene, limits, t, due, self.report.frames_sent)
         stages.enter("send")

@@ -10,7 +10,7 @@ from pacinian.rendering.renderer import Renderer
 from pacinian.scene.config_sections import PluginConfig
 from pacinian.scene.sampling.ramps import RAMP_TIME
 from pacinian.scene.sampling.sampler import Sampler
-from pacinian.solving.problem import Limits
+from pacinian.solving.limits import Limits
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -19,13 +19,13 @@ from pacinian.rendering.deviation_log import (
     mark,
 )
 from pacinian.skip_reasons import split_skips
-from pacinian.solving.felt_regions import FeltSums
+from pacinian.solving.felt_figures import FeltSums
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
 
     from pacinian.rendering.deviation_log import Reasons
-    from pacinian.solving.felt_regions import FeltRegion
+    from pacinian.solving.felt_figures import FeltRegion
     from pacinian.solving.solution_status import Status
     from pacinian.types import Floats
 

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
 MAX_MISMATCH = 1e-3  # largest relative difference of the frames that a device plays and gets
 MAX_ROWS = 1000  # largest number of rows of a tick
+MAX_SERVER_ROWS = 64  # the same for the server, whose frames have a fixed size in shared memory
 
 
 def compute_row_times(capability: Capability, period: float) -> tuple[Floats, float]:
@@ -32,6 +33,19 @@ def compute_row_times(capability: Capability, period: float) -> tuple[Floats, fl
     gap = period / count
     times: Floats = np.arange(count, dtype=np.float64) * gap
     return times, gap
+
+
+def check_server_rate(device: float, loop: float) -> None:
+    """Check that a device of `device` rows a second suits a server's loop of `loop` ticks a second.
+
+    Raises ArgumentError.
+    """
+    if not 1.0 - 1e-9 <= device / loop < MAX_SERVER_ROWS + 0.5:
+        raise ArgumentError(
+            "rate",
+            f"must be {device / MAX_SERVER_ROWS:.3g} to {device:g} for this device, which plays {device:g} rows a "
+            f"second, 1 to {MAX_SERVER_ROWS} rows a tick; it is {loop:g}",
+        )
 
 
 def describe_mismatch(capability: Capability, period: float) -> str | None:

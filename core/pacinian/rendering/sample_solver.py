@@ -14,6 +14,7 @@ from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.region_numbers import BESIDE
 from pacinian.rendering.cached_solution import CachedSolution
 from pacinian.rendering.contact_follower import ContactFollower
+from pacinian.rendering.envelope_gains import MIN_POWER
 from pacinian.rendering.envelope_groups import EnvelopeGroups, split_contributions
 from pacinian.rendering.field_steering import find_factors
 from pacinian.rendering.reachability import WEAKENED_BELOW
@@ -35,10 +36,9 @@ if TYPE_CHECKING:
     from pacinian.scene.sampling.posed_skin import PosedSkin
     from pacinian.scene.sampling.samples import Samples
     from pacinian.session import Session
-    from pacinian.solving.problem import Limits
+    from pacinian.solving.limits import Limits
     from pacinian.types import Floats, Gains
 
-MIN_POWER = 1e-30  # smallest power used as a divisor
 # Largest size of the cache of solutions for the steps of a modulation [bytes].
 CACHE_BYTES = 32 << 20
 # Largest ratio of new to old error at which a late solution counts as improved.
@@ -153,7 +153,7 @@ class SampleSolver:
         return bool(
             (samples.objects == own).all()
             and (samples.regions >= 0).all()
-            and samples.items[own].technique.still
+            and samples.items[own].technique.keeps_places
         )
 
     def _may_follow(self, solutions: SolutionSequence) -> bool:
@@ -403,7 +403,7 @@ class SampleSolver:
 def _split_by_technique(samples: Samples) -> tuple[Samples, list[tuple[Object, Samples]]]:
     """Return the samples of objects that sound as a whole, and separately those of each object with a technique."""
     items = samples.items
-    moving = sorted(i for i in set(samples.objects.tolist()) if not items[i].technique.still)
+    moving = sorted(i for i in set(samples.objects.tolist()) if not items[i].technique.keeps_places)
     if not moving:
         return samples, []
     parts = [(items[i], samples.only(samples.objects == i)) for i in moving]

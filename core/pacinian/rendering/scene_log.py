@@ -19,7 +19,7 @@ from pacinian.rendering.embedded_files import EmbeddedFileReader, EmbeddedFileWr
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.objects import Object
 from pacinian.scene.scene import Scene, Workspace
-from pacinian.solving.problem import Limits
+from pacinian.solving.limits import Limits
 from pacinian.solving.quiet_zone import Zone
 
 if TYPE_CHECKING:

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from pacinian.rendering.sample_solver import SampleSolver
     from pacinian.scene.sampling.sampler import Sampler
     from pacinian.scene.scene import Scene
-    from pacinian.solving.problem import Limits
+    from pacinian.solving.limits import Limits
     from pacinian.types import Floats
 
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from pacinian.scene.sampling.sampler import Sampler
     from pacinian.scene.scene import Scene
     from pacinian.session import Session
-    from pacinian.solving.problem import Limits
+    from pacinian.solving.limits import Limits
 
 MAX_OBJECTS = 1000  # largest number of objects that are checked
 PLACES = 8  # number of places of a path, or of particles, at which a focus is computed

@@ -40,17 +40,17 @@ class SkinLoader:
     def load_new(
         self,
         hands: Iterable[Hand],
-        note: Callable[[Callable[[], float]], float],
+        record_decision: Callable[[Callable[[], float]], float],
         silence: Callable[[], None],
     ) -> None:
         """Load the skins of new kinds of hands. The output is silent meanwhile, because that can take seconds.
 
-        note: returns what a function returns, and records it (`RecordingClock.note`). silence: silences the output.
+        record_decision: that of a `RecordingClock`. silence: silences the output.
         """
         new = self.find_new(hands)
         if not new:
             return
-        if note(lambda: float(takes_long(new))):
+        if record_decision(lambda: float(takes_long(new))):
             silence()
         self.load(new)
 

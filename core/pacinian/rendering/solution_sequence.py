@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from pacinian.acoustics.pressure import sound_pressure
 from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.rendering.deviation_log import NOTHING
-from pacinian.solving.problem import Limits, Targets, number_regions
+from pacinian.solving.targets import Targets, number_regions
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from pacinian.scene.sampling.sample_counts import SampleCounts
     from pacinian.scene.sampling.samples import Samples
     from pacinian.scene.scene import Scene
+    from pacinian.solving.limits import Limits
     from pacinian.types import Floats
 
 RISEN_FROM = 0.99  # share of the full force from which ramps count as ended

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
-from pacinian.rendering.field_steering import MotionTracker
+from pacinian.rendering.field_steering import SampleMotion
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -37,7 +37,7 @@ class SteeredSolver:
     """Solves for the samples of one object, and steers the solution while they move as one."""
 
     def __init__(self, array: Array) -> None:
-        self._tracker = MotionTracker(array)
+        self._tracker = SampleMotion(array)
         self.reset()
 
     def reset(self) -> None:

@@ -15,7 +15,7 @@ import numpy as np
 from pacinian.region_numbers import ISOLATED
 from pacinian.rendering.solution_sequence import RISEN_FROM
 from pacinian.scene.sampling.sample_counts import label_object
-from pacinian.solving.felt_regions import MIN_FELT_SHARE
+from pacinian.solving.felt_figures import MIN_FELT_SHARE
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator

@@ -1,4 +1,7 @@
-"""Scene files in TOML or JSON. msgspec decodes and checks them; the JSON Schema comes from the same classes."""
+"""Scene files in TOML or JSON. msgspec decodes and checks them; the JSON Schema comes from the same classes.
+
+The suggestion for a wrong key is made in config_key_advice.py.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +13,7 @@ from msgspec.structs import replace
 
 from pacinian.acoustics.pose import Pose, Vector
 from pacinian.argument_checks import check_number
+from pacinian.config_files import decode_document, json_schema
 from pacinian.errors import ArgumentError, SceneFileError
 from pacinian.scene.config_sections import (
     Device,
@@ -24,7 +28,6 @@ from pacinian.scene.config_sections import (
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.objects import Object
 from pacinian.scene.scene import Scene
-from pacinian.toml_json_files import decode_document, json_schema
 
 
 class HandPose(Struct, frozen=True, forbid_unknown_fields=True):

@@ -86,7 +86,7 @@ inline void sign(View<const f8, 2> points, View<const f8, 1> squared, View<const
     }
 }
 
-void define_non_finite(nb::module_& m) {
+inline void define_checked(nb::module_& m) {
     define_closest(m);
     kernel(m, "near", &near,
            "Write the indices of the objects whose bounding spheres touch any of the boxes at time t [s]; return how many.\n\n"

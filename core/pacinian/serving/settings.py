@@ -11,6 +11,7 @@ from msgspec.structs import force_setattr, replace
 
 from pacinian.acoustics.pose import Vector, vector
 from pacinian.argument_checks import HEAD_RADIUS, check_number
+from pacinian.config_files import decode_document
 from pacinian.errors import ArgumentError, SceneFileError
 from pacinian.scene.config_sections import (
     Device,
@@ -22,7 +23,6 @@ from pacinian.scene.config_sections import (
     Workspace,
     resolve_path,
 )
-from pacinian.toml_json_files import decode_document
 from pacinian.wire.protocol import MAX_COMMAND_BYTES, MAX_CONTROL_BYTES
 
 if TYPE_CHECKING:
@@ -92,12 +92,13 @@ class Safety(Struct, frozen=True, forbid_unknown_fields=True):
     lease: from the owner's last renewal to silence. frame_timeout: the device is silenced when its newest frame is
     older than this. hang_timeout: a process is killed when its last heartbeat is older than this. session_timeout:
     a session ends when its last renewal is older than this. takeover: whether a client may take the output from
-    another. pressure: maximum radiation pressure of an object, and on the skin of the hands [Pa]. The default, 200
-    Pa, is 165 dB SPL on skin and ten times the strongest object of the gallery: it stops a mistaken unit, not a
-    strong effect. zones: quiet zones of the installation.
+    another. pressure: maximum radiation pressure of an object, and on the skin of the hands [Pa]. The bus refuses
+    stronger objects; on the skin it is the same limit as `Renderer(peak=)`. The default, 200 Pa, is 165 dB SPL on skin
+    and ten times the strongest object of the gallery: it stops a mistaken unit, not a strong effect. zones: quiet zones
+    of the installation.
     """
 
-    lease: float = 0.25  # also in the documents of the wire: `LEASE` in wire/markdown.py
+    lease: float = 0.25
     frame_timeout: float = 0.02
     hang_timeout: float = 2.0
     session_timeout: float = 10.0
@@ -113,7 +114,7 @@ class Safety(Struct, frozen=True, forbid_unknown_fields=True):
         check_number("pressure", self.pressure, low=0.0, above=True)
 
 
-class Clients(Struct, frozen=True, forbid_unknown_fields=True):
+class ClientLimits(Struct, frozen=True, forbid_unknown_fields=True):
     """Limits for clients.
 
     max_sessions: not connections. max_objects: of one scene; max_client_objects: of one client. max_rate: messages per
@@ -169,7 +170,7 @@ class Settings(Struct, frozen=True, forbid_unknown_fields=True):
     network: Network = Network()
     connection: str = ""
     safety: Safety = Safety()
-    clients: Clients = Clients()
+    clients: ClientLimits = ClientLimits()
     security: Security = Security()
     log: Log = Log()
     metrics: Metrics = Metrics()

@@ -3,7 +3,9 @@
 The API, `Session` and `solve`, is in `pacinian/session.py`.
 
 What goes in
-    problem.py            targets and their relative error; limits; budget of time
+    targets.py            targets, their regions and their relative error
+    limits.py             limits of gain, power, quiet points, exact samples and zones
+    budget.py             budget of time
     problem_check.py      checks the points and targets that a user gives
     quiet_zone.py         what a quiet zone is, where it may be, and its places
     propagator.py         B = propagation from transducers to points, and what is derived from it, cached
@@ -38,7 +40,8 @@ What comes out
 Evidence
     solution_check.py     violated limits, error, objective and proven bound, from the gains
     gain_evaluation.py    the same in double precision, for any gains
-    felt_regions.py       force, rms, holes and spill between and beside the samples
+    felt_figures.py       force, rms, holes and spill of a region; the tolerances of `FeltRegion.even`
+    felt_places.py        places between and beside the samples, where they are evaluated
     surface_force.py      force on a surface, along its normals
     error_lower_bound.py  a lower bound of the error for any phases
 Kernels

@@ -15,8 +15,10 @@ from pacinian.solving.phases import initial_phases
 from pacinian.solving.propagator import TILE, gram_matrix
 
 if TYPE_CHECKING:
-    from pacinian.solving.problem import Budget, Limits, Targets
+    from pacinian.solving.budget import Budget
+    from pacinian.solving.limits import Limits
     from pacinian.solving.propagator import Propagator
+    from pacinian.solving.targets import Targets
     from pacinian.types import Floats, Gains
 
 NO_GRAM_MATRIX = "back-propagated: no time for the Gram matrix"

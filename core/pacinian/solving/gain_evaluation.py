@@ -10,7 +10,7 @@ import numpy as np
 
 from pacinian.acoustics.propagation import matrix
 from pacinian.solving.error_lower_bound import least_error
-from pacinian.solving.felt_regions import FeltPlaces
+from pacinian.solving.felt_places import FeltPlaces
 from pacinian.solving.loudest_places import find_peak
 from pacinian.solving.propagator import Propagator
 from pacinian.solving.solution_check import (
@@ -27,7 +27,7 @@ from pacinian.solving.solution_status import (
 )
 
 if TYPE_CHECKING:
-    from pacinian.solving.problem import Limits
+    from pacinian.solving.limits import Limits
     from pacinian.solving.solution import Solution
     from pacinian.types import Complexes
 
@@ -90,10 +90,10 @@ def certify(
         violations=violations,
         least_error=least,
     )
-    return measure_felt(propagator, certified)
+    return add_felt(propagator, certified)
 
 
-def measure_felt(propagator: Propagator, solution: Solution) -> Solution:
+def add_felt(propagator: Propagator, solution: Solution) -> Solution:
     """Return `solution` with `felt` filled in and a status that also holds between the points.
 
     propagator: holds its points.

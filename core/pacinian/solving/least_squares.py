@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from pacinian.solving.budget import Budget
 from pacinian.solving.column_groups import ColumnGroups
 from pacinian.solving.linalg import blas, lapack
-from pacinian.solving.problem import Budget
 
 if TYPE_CHECKING:
     from pacinian.types import Complexes

@@ -1,4 +1,4 @@
-"""Keep gains within the limits, whatever a solver has written."""
+"""Keep gains within the limits of limits.py, whatever a solver has written."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ from pacinian.solving.solution_check import compute_excess_unit
 from pacinian.solving.solution_status import TOLERANCE
 
 if TYPE_CHECKING:
-    from pacinian.solving.problem import Budget, Limits
+    from pacinian.solving.budget import Budget
+    from pacinian.solving.limits import Limits
     from pacinian.solving.propagator import Propagator
     from pacinian.solving.quiet_subspace import QuietSubspace
     from pacinian.types import Complexes

@@ -69,7 +69,7 @@ f8 peak(View<const std::complex<T>, 1> g) {
     return wrong ? std::numeric_limits<f8>::quiet_NaN() : largest;
 }
 
-void define_non_finite(nb::module_& m) {
+inline void define_checked(nb::module_& m) {
     define_groups(m);
     kernel(m, "choose_phases", &choose_phases,
            "Write targets p, (M,), with the phases phi, where NaN by Gerchberg-Saxton steps from `start`.\n\n"

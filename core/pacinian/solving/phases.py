@@ -10,8 +10,8 @@ import numpy as np
 from pacinian.native import solving as kernels
 
 if TYPE_CHECKING:
-    from pacinian.solving.problem import Targets
     from pacinian.solving.propagator import Propagator
+    from pacinian.solving.targets import Targets
     from pacinian.types import Complexes, Flags, Floats
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from pacinian.argument_checks import MAX_LENGTH, check_near, check_numbers, refuse_masked
 from pacinian.native import solving as kernels
-from pacinian.solving.problem import Targets, number_regions
+from pacinian.solving.targets import Targets, number_regions
 
 if TYPE_CHECKING:
     from pacinian.types import ArrayLike, Floats

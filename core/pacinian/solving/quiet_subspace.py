@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
-    from pacinian.solving.problem import Budget
+    from pacinian.solving.budget import Budget
     from pacinian.solving.quiet_basis import ZoneLimit
     from pacinian.solving.quiet_zone import Zone
     from pacinian.types import Complexes, Flags, Floats, Gains
@@ -117,9 +117,10 @@ class QuietSubspace:
         return self.residual * math.sqrt(kernels.power(g)) + self.loudest * leak
 
     def find_violation(self, g: Complexes) -> float:
-        """Return the largest possible relative excess over limits that single precision cannot keep.
+        """Return by how much gains g, (N,), may exceed limits of zones that are too low for single precision.
 
-        It is 0 if there is none. g: gains, (N,). Other limits are always kept, once the bound is at most 1.
+        The excess is relative to the limit; 0 if there is none. Other limits are always kept, once the bound is at
+        most 1.
         """
         if not self.raised:
             return 0.0
@@ -165,11 +166,11 @@ class Preparation:
 
     def get(
         self, array: Array, medium: Air, zones: tuple[Zone, ...], rms: float, budget: Budget,
-        note: Callable[[Callable[[], float]], float] = call_unrecorded,
+        record_decision: Callable[[Callable[[], float]], float] = call_unrecorded,
     ) -> QuietSubspace | None:  # fmt: skip
         """Return the quiet subspace; None if the budget runs out first. Raises as `QuietSubspace.of`.
 
-        note: records whether it was ready in time, or repeats what was recorded, see `RecordingClock.note`.
+        record_decision: records whether it was ready in time, or repeats what was recorded: that of a `RecordingClock`.
         """
         key = array, medium, zones, rms
         if key != self._key and self._made is not None:
@@ -180,7 +181,7 @@ class Preparation:
             self._made = self._submit(key)
         if not budget.endless:
             made, left = self._made, max(0.0, budget.due - budget.clock())
-            if not note(lambda: float(made in wait([made], left).done)):
+            if not record_decision(lambda: float(made in wait([made], left).done)):
                 return None
         while True:
             try:

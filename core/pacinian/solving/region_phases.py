@@ -25,9 +25,9 @@ from pacinian.solving.skin_phases import relax_phases
 
 if TYPE_CHECKING:
     from pacinian.acoustics.air import Air
-    from pacinian.solving.problem import Targets
     from pacinian.solving.propagator import Propagator
     from pacinian.solving.solution import Solution
+    from pacinian.solving.targets import Targets
     from pacinian.types import ArrayLike, Complexes, Flags, Floats, Indices
 
 
@@ -230,8 +230,8 @@ def _turn_aside(G: Complexes, t: Floats, wave: Floats) -> Floats:
 
     The wave may run on into a zone. Steps p <- t exp(j arg(p - mu (G + mu I)^-1 p)) turn it away, because they remove
     the part of p that needs strong gains. They also make the field between the points less even. Therefore the steps
-    are shorter if the first saves little, and none is taken if it saves no more than it would without zones.
-    G: B B^H, (M, M). t: amplitudes, (M,).
+    are shorter if the first saves little. No step is taken if the first saves at most MIN_SAVED_SHARE, which it would
+    also save without zones. G: B B^H, (M, M). t: amplitudes, (M,).
     """
     mu = TURNING_MU * mean_square(G)
     factor = Factor.of(G, mu)

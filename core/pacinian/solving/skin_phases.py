@@ -21,11 +21,13 @@ from pacinian.solving.linalg import lapack
 from pacinian.solving.propagator import gram_matrix, mean_square
 
 if TYPE_CHECKING:
-    from pacinian.solving.problem import Targets
     from pacinian.solving.propagator import Propagator
+    from pacinian.solving.targets import Targets
     from pacinian.types import Complexes, Flags, Floats, Singles
 
-MU = 5e-3  # regularisation mu, relative to trace(B B^H) / M
+# Of the least squares for targets with regions. Solvers for regions minimise the cost that the phases minimise, so they
+# use the same weights, and the same mu unless an option changes it.
+REGION_MU = 5e-3  # regularisation mu, relative to trace(B B^H) / M
 BESIDE_WEIGHT = 0.02  # weight of the squared errors of points beside regions; other points have 1
 MAX_TRANSDUCERS = 500  # largest number of transducers that represent the array in B B^H
 MAX_SAMPLES = 480  # largest number of samples whose phases are relaxed
@@ -72,7 +74,7 @@ def _invert(propagator: Propagator, beside: Flags) -> Complexes | None:
     mean = mean_square(G)
     if not 0.0 < mean < np.inf:
         return None
-    A = np.asarray(G / (MU * mean), np.complex64, order="F")
+    A = np.asarray(G / (REGION_MU * mean), np.complex64, order="F")
     A.T.reshape(-1)[:: len(A) + 1] += np.where(beside, 1.0 / BESIDE_WEIGHT, 1.0)
     A, failed = lapack.cpotrf(A, clean=0, overwrite_a=1)
     if failed:

@@ -10,8 +10,9 @@ from pacinian.native import solving as kernels
 from pacinian.solving.solution_status import TOLERANCE
 
 if TYPE_CHECKING:
-    from pacinian.solving.problem import Limits, Targets
+    from pacinian.solving.limits import Limits
     from pacinian.solving.propagator import Propagator
+    from pacinian.solving.targets import Targets
     from pacinian.types import Complexes, Floats, Gains
 
 ROUNDING_TOLERANCE = 1e-5  # excess over a limit, relative to it, that counts as rounding

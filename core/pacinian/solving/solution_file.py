@@ -24,11 +24,12 @@ from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.argument_checks import check_near, check_number, check_numbers
 from pacinian.atomic_file import replace_file
 from pacinian.errors import ArgumentError, SolutionFileError, describe_error
-from pacinian.solving.felt_regions import FeltRegion
-from pacinian.solving.problem import Limits, Targets
+from pacinian.solving.felt_figures import FeltRegion
+from pacinian.solving.limits import Limits
 from pacinian.solving.quiet_zone import Zone
 from pacinian.solving.solution_metrics import SolutionMetrics
 from pacinian.solving.solution_status import Status
+from pacinian.solving.targets import Targets
 
 if TYPE_CHECKING:
     from pacinian.acoustics.array import Array

@@ -17,9 +17,10 @@ if TYPE_CHECKING:
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
     from pacinian.acoustics.skin_facing import SkinFacing
-    from pacinian.solving.felt_regions import FeltRegion
-    from pacinian.solving.problem import Limits, Targets
+    from pacinian.solving.felt_figures import FeltRegion
+    from pacinian.solving.limits import Limits
     from pacinian.solving.solution_status import Status
+    from pacinian.solving.targets import Targets
     from pacinian.types import Complexes, Floats, Gains
 
 AT_LIMIT = 1.0 - 1e-5  # share of the gain limit from which a transducer is at its limit

@@ -11,7 +11,8 @@ from pacinian.solving.solution import Solution
 from pacinian.solving.solution_status import Status
 
 if TYPE_CHECKING:
-    from pacinian.solving.problem import Limits, Targets
+    from pacinian.solving.limits import Limits
+    from pacinian.solving.targets import Targets
     from pacinian.types import Complexes
 
 MAX_MULTIPLE = 1e6  # largest factor by which a solution is scaled instead of solved again

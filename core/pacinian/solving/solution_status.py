@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from pacinian.solving.felt_regions import FeltRegion
-    from pacinian.solving.problem import Targets
+    from pacinian.solving.felt_figures import FeltRegion
     from pacinian.solving.propagator import Propagator
+    from pacinian.solving.targets import Targets
 
 TOLERANCE = 1e-3  # largest relative error at which targets and limits count as met
 # Largest relative error of the sound pressure at which targets of regions count as met; that of their radiation

@@ -11,8 +11,8 @@ from pacinian.native import solving as kernels
 from pacinian.solving.solution import Solution
 
 if TYPE_CHECKING:
-    from pacinian.solving.problem import Targets
     from pacinian.solving.propagator import Propagator
+    from pacinian.solving.targets import Targets
 
 # A warm start is used if the number of points has changed by at most this share of it, plus one.
 MAX_COUNT_CHANGE = 1 / 4

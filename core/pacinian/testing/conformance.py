@@ -30,20 +30,20 @@ class Hangs(Broken):
     """A call does not return, so no further rule can be tried."""
 
 
-def require(true: bool, seen: str) -> None:
-    """Raise Broken with the observation `seen`, unless `true`."""
-    if not true:
+def require(holds: bool, seen: str) -> None:
+    """Raise Broken with the observation `seen`, unless `holds`."""
+    if not holds:
         raise Broken(seen)
 
 
-def a(kind: type, value: object, what: str) -> None:
+def require_kind(kind: type, value: object, what: str) -> None:
     """Raise Broken unless `value` is an instance of `kind`."""
     require(isinstance(value, kind), f"{what} is {value!r}, not a pacinian.{kind.__name__}")
 
 
 def check_class(kind: type, made: object) -> None:
     """Raise Broken unless a plug-in is of that kind, with a name and a docstring."""
-    a(kind, made, "what is made")
+    require_kind(kind, made, "what is made")
     name = getattr(type(made), "name", None)
     require(isinstance(name, str) and bool(name), f"its `name` is {name!r}")
     require(bool((type(made).__doc__ or "").strip()), "it has no docstring")

@@ -16,11 +16,11 @@ from pacinian.errors import BackendError
 from pacinian.plugins.backend import Backend, Capability, FoundDevice, Frame
 from pacinian.testing.conformance import (
     Broken,
-    a,
     call_with_limit,
     check_class,
     check_rules,
     require,
+    require_kind,
 )
 
 if TYPE_CHECKING:
@@ -160,14 +160,14 @@ class _Kit:
         """The search for devices raises nothing and returns `FoundDevice`s with the backend's name."""
         cls = type(self.make())
         for one in self.call(cls.find_devices):
-            a(FoundDevice, one, "what find_devices() tells")
+            require_kind(FoundDevice, one, "what find_devices() tells")
             require(one.backend == cls.name, f"find_devices() tells of backend {one.backend!r}")
 
     def capability(self) -> None:
         """It is a Capability of plain numbers and does not change."""
         backend = self.make()
         before = backend.capability
-        a(Capability, before, "capability")
+        require_kind(Capability, before, "capability")
         plain = Capability(before.phases, before.amplitudes, before.rate, before.watchdog)
         for field in fields(plain):
             given, wanted = getattr(before, field.name), getattr(plain, field.name)

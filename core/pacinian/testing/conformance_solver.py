@@ -13,12 +13,24 @@ from pacinian.acoustics.array import lattice
 from pacinian.acoustics.propagation import Precision, matrix
 from pacinian.plugins.solver import Result, Solver
 from pacinian.session import AIR, Session
-from pacinian.solving.problem import Budget, Limits
+from pacinian.solving.budget import Budget
+from pacinian.solving.limits import Limits
 from pacinian.solving.propagator import Propagator
 from pacinian.solving.region_phases import joint_phases
 from pacinian.solving.solution_status import REGION_TOLERANCE, Status
-from pacinian.testing.conformance import a, call_with_limit, check_class, check_rules, require
-from pacinian.testing.problems import Problem, make_problems, make_random_points, make_regions
+from pacinian.testing.conformance import (
+    call_with_limit,
+    check_class,
+    check_rules,
+    require,
+    require_kind,
+)
+from pacinian.testing.problems import (
+    ConformanceProblem,
+    make_problems,
+    make_random_points,
+    make_regions,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -79,11 +91,13 @@ class _Kit:
         """Construct a new solver."""
         return call_with_limit("make()", self._make, self._limit)
 
-    def problem(self, count: int, level: float, *, seed: int = 0, fixed: bool = False) -> Problem:
+    def problem(
+        self, count: int, level: float, *, seed: int = 0, fixed: bool = False
+    ) -> ConformanceProblem:
         """Make an ordinary problem for the kit's array."""
         return make_random_points(self.array, count, level, seed, fixed)
 
-    def problems(self) -> list[tuple[str, Problem]]:
+    def problems(self) -> list[tuple[str, ConformanceProblem]]:
         """Make all test problems."""
         return make_problems(self.array)
 
@@ -94,7 +108,7 @@ class _Kit:
     def solve(
         self,
         solver: Solver,
-        problem: Problem,
+        problem: ConformanceProblem,
         propagator: Propagator | None = None,
         warm: Solution | None = None,
         budget: Budget | None = None,
@@ -111,16 +125,18 @@ class _Kit:
             lambda: solver.solve(propagator, targets, limits, warm, time, gains),
             self._limit,
         )
-        a(Result, result, "what solve() returns")
+        require_kind(Result, result, "what solve() returns")
         return out, result
 
-    def propagator(self, problem: Problem, precision: Precision = "single") -> Propagator:
+    def propagator(
+        self, problem: ConformanceProblem, precision: Precision = "single"
+    ) -> Propagator:
         """Return a propagator to the points of a problem."""
         made = Propagator(self.array, AIR, precision)
         made.set_points(problem.q)
         return made
 
-    def session(self, problem: Problem) -> Solution:
+    def session(self, problem: ConformanceProblem) -> Solution:
         """Solve through a session, as users do."""
         session = Session(self.array, solver=self.make())
         return call_with_limit(
@@ -316,7 +332,7 @@ class _Kit:
                     p = self.reference(q) @ solution.gains.astype(np.complex128)
                     self._is_one_wave(name, replace(problem, q=q), p)
 
-    def _is_one_wave(self, name: str, problem: Problem, p: Complexes) -> None:
+    def _is_one_wave(self, name: str, problem: ConformanceProblem, p: Complexes) -> None:
         """Require that pressures p, (M,) [Pa], meet the targets, each region in the phases of one wave."""
         t, number = problem.t, problem.regions
         assert number is not None

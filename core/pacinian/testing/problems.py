@@ -10,8 +10,9 @@ import numpy as np
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.propagation import matrix
 from pacinian.region_numbers import BESIDE
-from pacinian.solving.problem import Limits, Targets
+from pacinian.solving.limits import Limits
 from pacinian.solving.region_phases import joint_phases
+from pacinian.solving.targets import Targets
 from pacinian.testing.shapes import (
     HEIGHT,
     Shape,
@@ -30,7 +31,7 @@ REGION_HEIGHT = 0.15  # height of regions above the array [m]
 
 
 @dataclass(frozen=True, eq=False)
-class Problem:
+class ConformanceProblem:
     """A problem: points q (M, 3) [m], amplitudes t (M,) [Pa], phases [rad] or None, limits, regions (M,) or None."""
 
     q: Floats
@@ -47,7 +48,7 @@ class Problem:
 
 def make_random_points(
     array: Array, count: int, level: float, seed: int = 0, fixed: bool = False
-) -> Problem:
+) -> ConformanceProblem:
     """Make a problem of random points above the array, with phases that are `fixed` or free.
 
     level: root of the sum of the squared amplitudes, relative to the pressure of a single focus at full drive.
@@ -55,7 +56,7 @@ def make_random_points(
     rng = np.random.default_rng(seed)
     q = array.centre + np.c_[rng.uniform(-0.05, 0.05, (count, 2)), rng.uniform(0.12, 0.2, count)]
     t = _scale(rng.uniform(0.5, 1.0, count), array, q, level)
-    return Problem(q, t, rng.uniform(-3.0, 3.0, count) if fixed else None)
+    return ConformanceProblem(q, t, rng.uniform(-3.0, 3.0, count) if fixed else None)
 
 
 def _scale(t: Floats, array: Array, q: Floats, level: float) -> Floats:
@@ -64,7 +65,7 @@ def _scale(t: Floats, array: Array, q: Floats, level: float) -> Floats:
     return t * (level * focus / float(np.linalg.norm(t)))
 
 
-def make_region(array: Array, shape: Shape, level: float = 0.1) -> Problem:
+def make_region(array: Array, shape: Shape, level: float = 0.1) -> ConformanceProblem:
     """Make a problem of a shape above the array. Each region has the phases of one wave, as solvers receive them.
 
     level: norm of the amplitudes, relative to the pressure of a single focus at full drive. Targets beside are 0.
@@ -75,10 +76,10 @@ def make_region(array: Array, shape: Shape, level: float = 0.1) -> Problem:
     for number in range(int(shape.regions.max()) + 1):
         own = shape.regions == number
         phases[own] = joint_phases(array, q[own], Air(), radiation_pressure=t[own] ** 2)
-    return Problem(q, t, phases, regions=shape.regions)
+    return ConformanceProblem(q, t, phases, regions=shape.regions)
 
 
-def make_regions(array: Array) -> list[tuple[str, Problem]]:
+def make_regions(array: Array) -> list[tuple[str, ConformanceProblem]]:
     """Make one problem for each kind of region, and one that is too strong."""
     disc, four, right = make_ring(0.0, 0.006), make_square(4), np.array([1.0, 0.0, 0.0])
     around = make_ring(0.012, 0.016)
@@ -101,7 +102,7 @@ def make_regions(array: Array) -> list[tuple[str, Problem]]:
     return [*made, ("a region: too strong", make_region(array, of(four), 3.0))]
 
 
-def make_problems(array: Array) -> list[tuple[str, Problem]]:
+def make_problems(array: Array) -> list[tuple[str, ConformanceProblem]]:
     """Make 12 problems of random points, then special cases, then regions, each with a name."""
     made = [
         (f"{count} points at level {level:g}", make_random_points(array, count, level, fixed=fixed))

@@ -15,7 +15,7 @@ from msgspec.structs import replace
 
 from pacinian.errors import PacinianError
 from pacinian.rendering.rerender import iterate_rerendered
-from pacinian.serving.control.server_status import describe_sound
+from pacinian.serving.control.state_builder import describe_sound
 from pacinian.serving.render import renderer_status
 from pacinian.viewing.messages import ArrayMessage, encode_message
 from pacinian.viewing.recording_tick_stats import TickStats

@@ -96,7 +96,10 @@ class ServerConnection:
             if page == self._demonstrated and self._demonstration is not None:
                 self._demonstration.keep_alive()
         elif isinstance(asked, Demonstrate):
-            self._demonstrate(page, asked.on)
+            if asked.on:
+                self._start_demonstration(page)
+            else:
+                self._end_demonstration()
         elif not isinstance(asked, (Arm, Disarm, Reset, Select)):
             self._hub.refuse(page, _action(asked), "is for recordings: this is a server")
         else:
@@ -105,16 +108,21 @@ class ServerConnection:
             except queue.Full:
                 self._hub.refuse(page, _action(asked), "too much is asked at once")
 
-    def _demonstrate(self, page: int, on: bool) -> None:
-        """Start the demonstration for that page, or end the one that plays, whichever page started it."""
+    def _start_demonstration(self, page: int) -> None:
+        """Start the demonstration for that page; keep one that plays alive, whichever page started it."""
         playing = self._demonstration
         if playing is not None and playing.plays:
-            playing.keep_alive() if on else playing.end()
-        elif on:
-            refuse = partial(self._post, self._hub.refuse, page, "demonstrate")
-            is_open = partial(self._hub.views.__contains__, page)
-            self._demonstration = Demonstration(self._where, is_open, refuse, playing)
-            self._demonstrated = page
+            playing.keep_alive()
+            return
+        refuse = partial(self._post, self._hub.refuse, page, "demonstrate")
+        is_open = partial(self._hub.views.__contains__, page)
+        self._demonstration = Demonstration(self._where, is_open, refuse, playing)
+        self._demonstrated = page
+
+    def _end_demonstration(self) -> None:
+        """End the demonstration that plays, whichever page started it."""
+        if self._demonstration is not None and self._demonstration.plays:
+            self._demonstration.end()
 
     def _stop(self, page: int) -> None:
         if not self._waiting.acquire(blocking=False):

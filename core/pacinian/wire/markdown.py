@@ -24,13 +24,10 @@ if TYPE_CHECKING:
 
     Kinds = Iterable[type[Struct]]
 
-# Default lease [s]. Equals `Safety.lease` in serving/settings.py, which the wire must not import; a test compares them.
-LEASE = 0.25
 
-
-def make_guide() -> str:
-    """Return the page that says how to talk to the server, in Markdown."""
-    return _fill("page.md")
+def make_guide(lease: float) -> str:
+    """Return the page that says how to talk to the server, in Markdown. lease: the server's default lease [s]."""
+    return _fill("page.md", lease=f"{lease:g}")
 
 
 def make_reference() -> str:
@@ -38,9 +35,9 @@ def make_reference() -> str:
     return _fill("messages.md")
 
 
-def _fill(name: str) -> str:
+def _fill(name: str, **more: str) -> str:
     text = (files("pacinian.wire") / name).read_text(encoding="utf-8")
-    parts = _parts()
+    parts = _parts() | more
     return re.sub(r"\{\{(.+?)\}\}", lambda match: parts[match[1]], text)
 
 
@@ -54,7 +51,6 @@ def _parts() -> dict[str, str]:
 
     made = {
         "version": f"{protocol.MAJOR}.{protocol.MINOR}",
-        "lease": f"{LEASE:g}",
         "codes": _meanings("code", replies.CODES),
         "outputs": _meanings("output", state.OUTPUTS),
         "causes": _meanings("cause", CAUSES),

@@ -27,7 +27,7 @@ CAUSES: dict[Cause, str] = {
     "late": "the renderer is late",
     "not armed": "no client owns the output",
     "lease lost": "the owner does not renew its lease, or was disarmed by a fault",
-    "not ready": "an object or quiet zones are being prepared, or these leave nothing to sound with",
+    "not ready": "an object or a quiet zone is being prepared, or the quiet zones leave no sound",
     "no pressure": "the intensity or the pressure of the touched object is 0, or no object presses",
     "no objects": "the owner's scene is empty",
     "hand not seen": "the scene is felt by hands, and no hand is seen",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from pacinian.solving.felt_regions import FeltRegion
+from pacinian.solving.felt_figures import FeltRegion
 from pacinian.wire.binary_arrays import unpack
 
 if TYPE_CHECKING:

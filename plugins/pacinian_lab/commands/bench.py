@@ -26,7 +26,7 @@ from pacinian_lab.commands.shared import make_folder, print_tables
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from pacinian_lab.solvers.problems import Problem
+    from pacinian_lab.solvers.problems import BenchmarkProblem
     from pacinian_lab.solvers.rows import Row
     from pacinian_lab.solvers.worker_process import Worker
 
@@ -174,7 +174,7 @@ def _root(given: str | None) -> Path | None:
 def _measure(
     workers: Sequence[Worker],
     solvers: Sequence[str] | None,
-    todo: Sequence[Problem],
+    todo: Sequence[BenchmarkProblem],
     seconds: float,
     limit: float,
     out: Path,

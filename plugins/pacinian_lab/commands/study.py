@@ -62,7 +62,7 @@ def study(
     measures. Exit code 1 if a task failed.
     """
     if schema:
-        from pacinian_lab.study.file import schema as schema_of
+        from pacinian_lab.study.study_file import schema as schema_of
 
         click.echo(json.dumps(schema_of(), indent=2))
         return

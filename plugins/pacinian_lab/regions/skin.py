@@ -16,7 +16,7 @@ from pacinian.scene.config_sections import MIN_SAMPLE_SPACING
 from pacinian.scene.hands.capsule_skin import CapsuleSkin
 from pacinian.scene.sampling.sampler import Sampler
 from pacinian.session import Session
-from pacinian.solving.felt_regions import MIN_FELT_SHARE, FeltRegion
+from pacinian.solving.felt_figures import MIN_FELT_SHARE, FeltRegion
 
 if TYPE_CHECKING:
     from pacinian.acoustics.air import Air

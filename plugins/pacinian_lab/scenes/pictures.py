@@ -47,7 +47,7 @@ def picture(array: Array, name: str) -> Figure:
             felt.append(renderer.samples or felt[-1])
             frames.append(renderer.cycle_gains)
     scene = at(t)
-    if all(item.technique.still for item in scene.objects):
+    if all(item.technique.keeps_places for item in scene.objects):
         samples, gains = felt[-1], frames[-1]
     else:
         samples, gains = join_samples(felt[-TURN:]), np.concatenate(frames[-TURN:])

@@ -11,7 +11,7 @@ from msgspec.structs import replace
 
 from pacinian import gallery
 from pacinian.acoustics.pose import Pose
-from pacinian.gallery import TREMBLE
+from pacinian.gallery import HUM
 from pacinian.rendering.renderer import Renderer
 from pacinian.scene.hands.hand import Hand
 from pacinian.scene.modulation.waves import Constant
@@ -39,7 +39,7 @@ def skips() -> list[Skip]:
     """Return all skips."""
     return [
         *(_known(f"{words}: nothing changed", name, Constant(), 0.02) for name, words in STILL.items()),
-        *(_known(f"{words}: only the envelope changed", name, TREMBLE, 0.1) for name, words in STILL.items()),
+        *(_known(f"{words}: only the envelope changed", name, HUM, 0.1) for name, words in STILL.items()),
         Skip(
             "STM: reuse solutions of known steps",
             *_same(gallery.stm_circle), lambda renderer: renderer.sample_solver.reset(),

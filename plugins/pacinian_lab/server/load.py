@@ -11,7 +11,7 @@ from msgspec import Struct
 
 from pacinian.scene.config_sections import Units
 from pacinian.scene.scene import Workspace
-from pacinian.serving.settings import Clients, Log, Settings
+from pacinian.serving.settings import ClientLimits, Log, Settings
 from pacinian.testing import run_server
 from pacinian_lab.server import positions
 from pacinian_lab.server.load_observer import Check, Checked, Look, Seen, Watch
@@ -79,7 +79,7 @@ def settings(side: int) -> Settings:
     return Settings(
         array=Units(side, side),
         workspace=Workspace(*positions.WORKSPACE),
-        clients=Clients(max_sessions=256, max_rate=1e6),
+        clients=ClientLimits(max_sessions=256, max_rate=1e6),
         log=Log(level="warning"),
     )
 

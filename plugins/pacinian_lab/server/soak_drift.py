@@ -14,12 +14,14 @@ if TYPE_CHECKING:
 
     from pacinian_lab.server.soak import Row
 
-MEMORY = 4.0  # growth of each process after the first quarter [MB]
-FILES = 2  # more open files at the end
-TICK = 1.25  # ratio of the last median tick time to that of the second quarter
+MAX_MEMORY_GROWTH = 4.0  # growth of each process after the first quarter [MB]
+# Duration below which a run is still filling memory [s], and how many times as much its processes may grow.
+SHORT_RUN, SHORT_RUN_GROWTH_FACTOR = 60.0, 10.0
+MAX_MORE_FILES = 2  # more open files at the end
+MAX_TICK_RATIO = 1.25  # ratio of the last median tick time to that of the second quarter
 MAX_LATE_INCREASE = 0.02  # increase of the share of late ticks
-AGE = 1.25, 0.5e-3  # ratio of the last median age to that of the second quarter, or increase [s]
-SHORT = 60.0  # [s]; shorter runs are still filling memory, and may grow by ten times as much
+# Ratio of the last median age to that of the second quarter; or increase [s]. The larger of the two limits holds.
+MAX_AGE_RATIO, MAX_AGE_INCREASE = 1.25, 0.5e-3
 
 
 def growth(rows: Sequence[Row], name: str) -> float:
@@ -40,7 +42,7 @@ def quarters(rows: Sequence[Row], of: Callable[[Row], float]) -> tuple[float, fl
 
 def verdicts(rows: Sequence[Row]) -> list[Verdict]:
     """Return a verdict for each target."""
-    most = MEMORY * (10.0 if rows[-1].t < SHORT else 1.0)
+    most = MAX_MEMORY_GROWTH * (SHORT_RUN_GROWTH_FACTOR if rows[-1].t < SHORT_RUN else 1.0)
     hours = (rows[-1].t - rows[len(rows) // 4].t) / 3600.0
     grown = {name: growth(rows, name) for name in rows[-1].memory}
     shown = ", ".join(f"{k} {v:+.2f} MB ({v / max(hours, 1e-9):+.1f}/h)" for k, v in grown.items())
@@ -54,13 +56,13 @@ def verdicts(rows: Sequence[Row]) -> list[Verdict]:
     return [
         Verdict(f"each process grows by at most {most:g} MB", max(grown.values()) <= most, shown),
         Verdict(
-            f"at most {FILES} more files are open",
-            files[1] <= files[0] + FILES,
+            f"at most {MAX_MORE_FILES} more files are open",
+            files[1] <= files[0] + MAX_MORE_FILES,
             f"{files[0]:g}, then {files[1]:g}",
         ),
         Verdict(
-            f"median tick at most {TICK:g} times the first",
-            tick[1] <= TICK * tick[0],
+            f"median tick at most {MAX_TICK_RATIO:g} times the first",
+            tick[1] <= MAX_TICK_RATIO * tick[0],
             f"{tick[0]:.3f} ms, then {tick[1]:.3f} ms",
         ),
         Verdict(
@@ -69,8 +71,8 @@ def verdicts(rows: Sequence[Row]) -> list[Verdict]:
             f"{late[0]:.2%}, then {late[1]:.2%}",
         ),
         Verdict(
-            f"age of hands at most {AGE[0]:g} times the first",
-            age[1] <= max(AGE[0] * age[0], age[0] + AGE[1]),
+            f"age of hands at most {MAX_AGE_RATIO:g} times the first",
+            age[1] <= max(MAX_AGE_RATIO * age[0], age[0] + MAX_AGE_INCREASE),
             f"{1e3 * age[0]:.2f} ms, then {1e3 * age[1]:.2f} ms",
         ),
         Verdict(

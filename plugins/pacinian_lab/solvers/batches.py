@@ -16,7 +16,7 @@ import numpy as np
 import pacinian as pc
 from pacinian import array_api
 from pacinian_lab.solvers import timing
-from pacinian_lab.solvers.problems import AIR, DISTANCE, PRESSURE, SIDE, Problem, matrix
+from pacinian_lab.solvers.problems import AIR, DISTANCE, PRESSURE, SIDE, BenchmarkProblem, matrix
 from pacinian_lab.solvers.run import cores
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ class Batch:
     @classmethod
     def make(cls, units: int, points: int, count: int) -> Batch:
         """Return `count` problems. Raises ArgumentError."""
-        made = [Problem.make(units, points, LEVEL, seed) for seed in range(count)]
+        made = [BenchmarkProblem.make(units, points, LEVEL, seed) for seed in range(count)]
         kind = pc.Transducer(pressure=PRESSURE, directivity=pc.omni)
         array = pc.Array(made[0].positions, transducer=kind)
         return cls(array, np.array([p.points for p in made]), np.array([p.targets for p in made]))

@@ -29,8 +29,8 @@ STEP, FRAMES = 1e-3, 6  # [m]; between warm solves, points move around a hexagon
 class Preset(NamedTuple):
     """Which problems a run solves, all combinations, and for how long.
 
-    units: AUTD units. points: numbers of points. levels: as in `Problem`. seeds: number of problems of each kind.
-    seconds: time to measure each solver on each problem [s].
+    units: AUTD units. points: numbers of points. levels: as in `BenchmarkProblem`. seeds: number of problems of each
+    kind. seconds: time to measure each solver on each problem [s].
     """
 
     units: list[int]
@@ -52,7 +52,7 @@ def matrix(positions: Floats, points: Floats) -> Complexes:
 
 
 @dataclass(frozen=True, eq=False)
-class Problem:
+class BenchmarkProblem:
     """M points in front of an array.
 
     units: AUTD units, 1, 4, 9, ... (in a square). level: root of the sum of the squared targets, relative to the
@@ -68,7 +68,7 @@ class Problem:
     targets: Floats
 
     @classmethod
-    def make(cls, units: int, count: int, level: float, seed: int) -> Problem:
+    def make(cls, units: int, count: int, level: float, seed: int) -> BenchmarkProblem:
         """Return a problem of `count` points, with proportions 0.3..1, at `level`. Raises ArgumentError."""
         side = math.isqrt(check_integer("units", units, low=1))
         if side * side != units:
@@ -108,10 +108,10 @@ def make_message(positions: Floats, frames: Floats, targets: Floats) -> dict[str
 
 def problems(
     units: Iterable[int], points: Iterable[int], levels: Iterable[float], seeds: int
-) -> list[Problem]:
+) -> list[BenchmarkProblem]:
     """Return all combinations, the small ones first, with seeds 0..seeds - 1."""
     return [
-        Problem.make(u, count, level, seed)
+        BenchmarkProblem.make(u, count, level, seed)
         for u in sorted(set(units))
         for count in sorted(set(points))
         for level in sorted(set(levels))

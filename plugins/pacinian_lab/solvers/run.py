@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pacinian_lab.solvers import peers
-from pacinian_lab.solvers.problems import Problem
+from pacinian_lab.solvers.problems import BenchmarkProblem
 from pacinian_lab.solvers.rows import Row
 from pacinian_lab.solvers.score import eight_bit, score
 from pacinian_lab.solvers.worker_process import (
@@ -93,7 +93,7 @@ def warm_up(entries: Iterable[Entry]) -> None:
 
     Ignores failures, because they will recur and be reported in the run.
     """
-    problem = Problem.make(1, 4, 0.5, 0)
+    problem = BenchmarkProblem.make(1, 4, 0.5, 0)
     for entry in entries:
         try:
             entry.worker.ask(message(entry, problem, 0.0), START)
@@ -103,7 +103,7 @@ def warm_up(entries: Iterable[Entry]) -> None:
 
 def measure(
     entries: Sequence[Entry],
-    problems: Iterable[Problem],
+    problems: Iterable[BenchmarkProblem],
     seconds: float,
     limit: float,
 ) -> Iterator[Row]:
@@ -113,7 +113,7 @@ def measure(
             yield run_one(entry, problem, seconds, limit)
 
 
-def run_one(entry: Entry, problem: Problem, seconds: float, limit: float) -> Row:
+def run_one(entry: Entry, problem: BenchmarkProblem, seconds: float, limit: float) -> Row:
     """Return one row. Its status describes any failure."""
     M, N = len(problem.points), len(problem.positions)
     place = (problem.units, N, M, problem.level, problem.seed)
@@ -125,7 +125,7 @@ def run_one(entry: Entry, problem: Problem, seconds: float, limit: float) -> Row
         return replace(row, status=str(error))
 
 
-def evaluate_answer(row: Row, problem: Problem, reply: dict[str, Any]) -> Row:
+def evaluate_answer(row: Row, problem: BenchmarkProblem, reply: dict[str, Any]) -> Row:
     """Return the row with a worker's answer, evaluated. Raises WorkerError if the answer is invalid."""
     try:
         p50, p99, traced, most = (float(reply[k]) for k in ("p50", "p99", "traced", "resident"))
@@ -150,7 +150,7 @@ def evaluate_answer(row: Row, problem: Problem, reply: dict[str, Any]) -> Row:
     )
 
 
-def message(entry: Entry, problem: Problem, seconds: float) -> dict[str, Any]:
+def message(entry: Entry, problem: BenchmarkProblem, seconds: float) -> dict[str, Any]:
     """Return the message that asks a worker for a measurement."""
     return {
         "solver": entry.solver,

@@ -17,7 +17,8 @@ from pacinian.acoustics.propagation import matrix
 from pacinian.errors import PacinianError, PointOnTransducer
 from pacinian.session import Session
 from pacinian.solving.blas import limit_blas_threads
-from pacinian.solving.problem import Limits, Targets
+from pacinian.solving.limits import Limits
+from pacinian.solving.targets import Targets
 from pacinian_lab.stress.reference import Reference
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pacinian.acoustics.array import Array, autd
-from pacinian.solving.problem import Limits
+from pacinian.solving.limits import Limits
 from pacinian_lab.stress.case import Case
 from pacinian_lab.stress.problem_parts import (
     NO_LIMIT,

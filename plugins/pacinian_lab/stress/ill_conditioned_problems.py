@@ -14,7 +14,7 @@ from pacinian.acoustics.array import Array, CoincidentTransducers, autd, lattice
 from pacinian.acoustics.pose import Pose
 from pacinian.acoustics.transducer import T4010A1, Transducer
 from pacinian.errors import PointOnTransducer
-from pacinian.solving.problem import Limits
+from pacinian.solving.limits import Limits
 from pacinian_lab.stress.case import Case
 from pacinian_lab.stress.problem_parts import (
     NO_LIMIT,

@@ -9,7 +9,7 @@ import numpy as np
 from pacinian.acoustics.air import Air
 from pacinian.acoustics.array import lattice
 from pacinian.acoustics.propagation import matrix
-from pacinian.solving.problem import Limits
+from pacinian.solving.limits import Limits
 from pacinian.testing import shapes
 
 if TYPE_CHECKING:

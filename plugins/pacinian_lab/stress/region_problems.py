@@ -12,7 +12,7 @@ from pacinian.acoustics.air import Air
 from pacinian.acoustics.array import autd
 from pacinian.errors import PointOnTransducer
 from pacinian.region_numbers import BESIDE, ISOLATED
-from pacinian.solving.problem import Limits
+from pacinian.solving.limits import Limits
 from pacinian.testing.shapes import (
     Shape,
     make_finger,

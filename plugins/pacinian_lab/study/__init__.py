@@ -1,7 +1,7 @@
 """Studies: how the arrangement of an array shapes the image. Needs the extra `study`.
 
 Definition
-    file.py          `Study`: study files, their schema
+    study_file.py    `Study`: study files, their schema
     layouts.py       layouts: arrangements bent into space, real devices
     arrangements.py  positions in a plane: hexagonal, sunflower, rings, Poisson disc
     planes.py        planes of patterns
@@ -25,7 +25,6 @@ Report
 
 from __future__ import annotations
 
-from pacinian_lab.study.file import Method, Picture, Study, read
 from pacinian_lab.study.layouts import Autd, Device, Hexagonal, Lattice, Rings, Scattered, Sunflower
 from pacinian_lab.study.patterns import (
     Circle,
@@ -37,6 +36,7 @@ from pacinian_lab.study.patterns import (
     Shape,
 )
 from pacinian_lab.study.planes import Plane
+from pacinian_lab.study.study_file import Method, Picture, Study, read
 from pacinian_lab.study.study_run import load, run
 
 __all__ = [

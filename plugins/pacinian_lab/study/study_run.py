@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pacinian.argument_checks import check_integer
-from pacinian_lab.study.file import Study, read
+from pacinian_lab.study.study_file import Study, read
 from pacinian_lab.study.tasks import Plan
 from pacinian_lab.study.worker import measure
 

@@ -16,8 +16,8 @@ from pacinian_lab.study import focus
 
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Flags, Floats
-    from pacinian_lab.study.file import Picture
     from pacinian_lab.study.planes import Plane
+    from pacinian_lab.study.study_file import Picture
 
 CHUNK = 100_000  # elements of B at a time, few enough that the kernel starts no second thread
 

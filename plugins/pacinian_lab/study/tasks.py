@@ -23,10 +23,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
     import pacinian as pc
-    from pacinian_lab.study.file import Method, Study
     from pacinian_lab.study.layouts import Layout
     from pacinian_lab.study.patterns import Pattern, PatternPoints
     from pacinian_lab.study.planes import Plane
+    from pacinian_lab.study.study_file import Method, Study
 
 MAX_TASKS = 100_000  # maximum number of tasks
 # points times transducers; several copies of B are held, 16 bytes per element

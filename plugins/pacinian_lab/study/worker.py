@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
     from pacinian.devices.description import LevelCounts
     from pacinian.types import Complexes, Floats, Gains
-    from pacinian_lab.study.file import Method, Picture
     from pacinian_lab.study.planes import Plane
+    from pacinian_lab.study.study_file import Method, Picture
 
 Row = dict[str, Any]
 

@@ -77,7 +77,9 @@ class Lbfgs(pc.Solver):
             return pc.Result(note="no transducer reaches the points")
         reach = float(np.sqrt(B.shape[1] * d[t > 0.0]).mean())  # [Pa] of a focus at full drive
         t, unit = scale_targets(t, reach, targets.scale, limits.gain, MAX_TARGET)
-        problem = Problem(propagator, t, targets.phases, self.tolerance * float(np.linalg.norm(t)))
+        objective = Objective(
+            propagator, t, targets.phases, self.tolerance * float(np.linalg.norm(t))
+        )
         near = warm is not None and 1e-6 < float(np.abs(warm.gains).max()) / unit < 1e6
         h = warm.gains / unit if warm is not None and near else None
         if h is None:
@@ -85,21 +87,21 @@ class Lbfgs(pc.Solver):
             p = targets.complex(np.pi * np.arange(M) ** 2 / M)
             p = choose_phases(propagator, targets, None) if M <= MAX_GRAM_POINTS else p
             z = np.exp(1j * np.angle(p)) * (t / np.where(d > 0.0, d, 1.0))
-            h = problem.back(np.asarray(z, np.complex128))
-        end = self._descend(problem, h, budget)
+            h = objective.back(np.asarray(z, np.complex128))
+        end = self._descend(objective, h, budget)
         steps = end.steps
         if targets.scale == "max":
             for _ in range(MAX_ROUNDS):
                 if end.late or end.error <= MAX_PROPORTION_ERROR:
                     break
-                problem = replace(problem, t=problem.t * (1.0 - end.error))
-                end = self._descend(problem, end.h, budget)
+                objective = replace(objective, t=objective.t * (1.0 - end.error))
+                end = self._descend(objective, end.h, budget)
                 steps += end.steps
         out[:] = unit * end.h
         at_limit = unit == limits.gain and float(np.abs(end.h).max()) >= AT_LIMIT
         return pc.Result(iterations=steps, limited=at_limit, late=end.late)
 
-    def _descend(self, problem: Problem, h: Complexes, budget: pc.Budget) -> End:
+    def _descend(self, objective: Objective, h: Complexes, budget: pc.Budget) -> End:
         """Descend from h, (N,), to a local minimum, or until the budget is spent."""
         from scipy import optimize
 
@@ -113,14 +115,14 @@ class Lbfgs(pc.Solver):
 
         start = np.concatenate([np.arcsin(np.minimum(np.abs(h), MAX_START)), np.angle(h)])
         result = optimize.minimize(
-            problem.value, start, method="L-BFGS-B", jac=True, callback=stop_if_done,
+            objective.value, start, method="L-BFGS-B", jac=True, callback=stop_if_done,
             options={
                 "maxiter": self.steps, "maxfun": 2 * self.steps, "maxcor": self.memory,
                 "ftol": MIN_DECREASE, "gtol": 0.0,
             },
         )  # fmt: skip
         error = self.tolerance * float(np.sqrt(2.0 * result.fun))
-        return End(Problem.gains(result.x), error, int(result.nit), late)
+        return End(Objective.gains(result.x), error, int(result.nit), late)
 
 
 class End(NamedTuple):
@@ -133,7 +135,7 @@ class End(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Problem:
+class Objective:
     """The objective f of v and theta, and its gradient.
 
     t: targets, (M,) [Pa] at |h| = 1. phases: (M,), NaN where free. unit: residual at which f = 1/2 [Pa].

@@ -30,7 +30,9 @@ def focused(x: float) -> Any:
 
 @given(frequency=st.floats(50.0, 15_000.0), depth=st.floats(1e-3, 1.0))
 @bounded
-def test_a_sine_has_half_the_square_of_its_depth_and_its_frequencys_weight(frequency: float, depth: float) -> None:
+def test_a_sine_has_half_the_square_of_its_depth_and_its_frequencys_weight(
+    frequency: float, depth: float
+) -> None:
     # A Hann window spreads a sine over bins: its transform, with the weighting of each bin.
     bins = np.arange(20.0, 20_001.0, FS / len(TIMES))
     x = (bins - frequency) * len(TIMES) / FS + 1e-9  # not exactly -1, 0 or 1

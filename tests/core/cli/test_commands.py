@@ -24,7 +24,7 @@ from click.testing import CliRunner
 import pacinian as pc
 from pacinian.cli.console import UNSEEN_WIDTH, make_console
 from pacinian.cli.main import GROUPS, cli, main
-from pacinian.cli.run_output import describe_success, judge_pace
+from pacinian.cli.run_verdict import describe_success, judge_pace
 from pacinian.cli.standard_input import call_at_end_of_input
 from pacinian.rendering import renderer
 from pacinian.testing import ManualClock

@@ -16,7 +16,7 @@ import pacinian as pc
 from pacinian.client import link
 from pacinian.client.server_clock import RoundTrips, ServerClock
 from pacinian.client.state_subscription import MAX_READS, read_newest
-from pacinian.solving.felt_regions import FeltRegion
+from pacinian.solving.felt_figures import FeltRegion
 from pacinian.wire.binary_arrays import pack
 from pacinian.wire.codec import encode
 from pacinian.wire.state import STATE

@@ -10,7 +10,7 @@ import pytest
 import pacinian as pc
 from pacinian.rendering.emitted_measurement import SAMPLES, Probe
 from pacinian.rendering.measurement_schedule import MAX_MEASUREMENTS_AT_REST
-from pacinian.solving.felt_regions import FeltSums
+from pacinian.solving.felt_figures import FeltSums
 from pacinian.testing import ManualClock
 from pacinian_lab.regions.contacts import CONTACTS
 from pacinian_lab.regions.skin import measure_felt

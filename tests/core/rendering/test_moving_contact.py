@@ -16,7 +16,7 @@ from pacinian.rendering.background_schedule import BackgroundSchedule
 from pacinian.rendering.contact_follower import MAX_SPREAD, ContactFollower
 from pacinian.rendering.field_steering import MAX_JUMP
 from pacinian.rendering.solution_sequence import SolutionSequence
-from pacinian.solving.problem import Limits
+from pacinian.solving.limits import Limits
 from pacinian.testing import ManualClock
 from pacinian_lab.regions.skin import measure_felt
 from pacinian_plugins.backends.simulated import Simulated

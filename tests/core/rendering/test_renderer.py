@@ -663,7 +663,7 @@ def test_ticks_that_are_late_have_fewer_samples_until_there_is_time_again(
         )
         for x in (0.0, 0.001, 0.002)
     ]
-    solves = 1 if technique.still else 2  # solves per tick
+    solves = 1 if technique.keeps_places else 2  # solves per tick
     cost = 4e-5 / solves  # per sample [s]
 
     class Slowly(pc.Solver):
@@ -693,11 +693,12 @@ def test_ticks_that_are_late_have_fewer_samples_until_there_is_time_again(
             renderer.tick()
         few = len(renderer.samples)
         assert (few < whole) is adaptive
-        most = GOOD_SOLVE_TIME if technique.still else renderer.period  # that a solve may take [s]
+        # that a solve may take [s]
+        most = GOOD_SOLVE_TIME if technique.keeps_places else renderer.period
         assert not adaptive or (few >= 16 and few * cost * solves <= most)
         # includes solves in the background, which this test runs in them
         late = renderer.report.late_ticks
-        assert adaptive is (late < 60) or (adaptive and technique.still)
+        assert adaptive is (late < 60) or (adaptive and technique.keeps_places)
         cost = 1e-7
         for _ in range(2000):
             renderer.tick()

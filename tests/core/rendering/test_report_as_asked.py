@@ -14,7 +14,7 @@ import pacinian as pc
 from pacinian.rendering.frame_deviations import FrameDeviations, describe_solve
 from pacinian.rendering.sample_solver import MISSED_BELOW
 from pacinian.rendering.weak_samples import count_weak_samples
-from pacinian.solving.felt_regions import FeltRegion, FeltSums
+from pacinian.solving.felt_figures import FeltRegion, FeltSums
 from pacinian.testing import ManualClock
 from pacinian_lab.regions.contacts import CONTACTS
 from pacinian_plugins.backends.simulated import Simulated

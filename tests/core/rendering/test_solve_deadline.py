@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, cast
 import pytest
 
 from pacinian.rendering.solve_deadline import DEADLINE_SHARE, SLOW_FACTOR, SolveDeadline
-from pacinian.solving.problem import Limits
+from pacinian.solving.limits import Limits
 
 if TYPE_CHECKING:
     from pacinian.rendering.solution_sequence import SolveResult

@@ -6,7 +6,7 @@ import itertools
 from typing import TYPE_CHECKING, Any
 
 from pacinian.serving.control.sessions import ClientSessions
-from pacinian.serving.settings import Clients, Safety, Settings
+from pacinian.serving.settings import ClientLimits, Safety, Settings
 from pacinian.testing import ManualClock
 from pacinian.wire.control import Arm, Hello, Renew
 from pacinian.wire.protocol import MAJOR, MINOR
@@ -24,7 +24,7 @@ class FakeControl:
     def __init__(self, **safety: Any) -> None:
         self.clock = ManualClock(100.0)
         self.sessions = ClientSessions(
-            Settings(safety=Safety(**safety), clients=Clients(max_sessions=4))
+            Settings(safety=Safety(**safety), clients=ClientLimits(max_sessions=4))
         )
 
     @property

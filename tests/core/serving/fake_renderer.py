@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 import numpy as np
 
-from pacinian.serving.bus.admission import BusSession
 from pacinian.serving.bus.conversion_queue import Converter
+from pacinian.serving.bus.message_admission import BusSession
 from pacinian.serving.bus.shared_scene import SharedScene
 from pacinian.serving.ipc.messages import (
     AnyChange,

@@ -185,7 +185,7 @@ def test_a_temperature_goes_before_the_speed_and_density_of_the_file(tmp_path: P
 def test_the_capabilities_tell_the_air_that_is_computed_with() -> None:
     from pacinian.acoustics.array import autd
     from pacinian.cli.status import air, describe_air
-    from pacinian.serving.control.server_status import describe_sound
+    from pacinian.serving.control.state_builder import describe_sound
 
     for medium, said in (
         (Air(temperature=26.0), "26 °C, 347.7 m/s"),

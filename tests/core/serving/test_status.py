@@ -299,7 +299,7 @@ class Status(RuleBasedStateMachine):
         true |= {"faulted"} if lease.fault or self.seen_halted else set()
         true |= {"stopped"} if lease.permit.stopped else set()
         true |= {self.seen} if self.seen != "stale" or lease.armed else set()
-        said = self.control.publisher.make_state(self.clock.now(), {}).output
+        said = self.control.state_builder.make_state(self.clock.now(), {}).output
         assert said == max(true, key=RANK.__getitem__)
 
     @invariant()

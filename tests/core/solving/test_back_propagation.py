@@ -19,8 +19,8 @@ from pacinian.solving.back_propagation import (
     affords_gram,
     back_propagate,
 )
-from pacinian.solving.problem import Targets
 from pacinian.solving.propagator import Propagator
+from pacinian.solving.targets import Targets
 
 AIR, UNIT, FOUR = pc.Air(), pc.autd(1, 1), pc.autd(2, 2)
 M = MIN_ROWS

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from pacinian.native import solving as kernels
 from pacinian.solving.phases import gerchberg_saxton
-from pacinian.solving.problem import Targets
+from pacinian.solving.targets import Targets
 
 
 def hermitian(M: int, seed: int) -> np.ndarray:

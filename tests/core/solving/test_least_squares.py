@@ -8,6 +8,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from pacinian.solving.budget import Budget
 from pacinian.solving.column_groups import ColumnGroups
 from pacinian.solving.least_squares import (
     MIN_RECIPROCAL_CONDITION,
@@ -16,7 +17,6 @@ from pacinian.solving.least_squares import (
     Reduced,
     refine,
 )
-from pacinian.solving.problem import Budget
 
 CUT = 1e-11
 SIZES = st.integers(1, 20)

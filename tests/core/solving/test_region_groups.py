@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 import pacinian as pc
 from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.native import solving as kernels
-from pacinian.solving.problem import Targets, number_regions
 from pacinian.solving.propagator import Propagator, gram_matrix
 from pacinian.solving.region_phases import settle_phases
+from pacinian.solving.targets import Targets, number_regions
 from pacinian.solving.warm_start import carry_regions
 
 ARRAY = pc.autd()

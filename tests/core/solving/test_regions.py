@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.acoustics.skin_facing import SkinFacing
-from pacinian.solving.felt_regions import FeltPlaces
-from pacinian.solving.problem import Targets
+from pacinian.solving.felt_places import FeltPlaces
 from pacinian.solving.propagator import Propagator
 from pacinian.solving.region_phases import settle_phases
+from pacinian.solving.targets import Targets
 
 ARRAY = pc.autd()
 AIR = pc.Air(speed_of_sound=340.0, density=1.2)

@@ -8,7 +8,6 @@ import pytest
 import pacinian as pc
 from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.solving.phases import choose_phases
-from pacinian.solving.problem import Targets
 from pacinian.solving.propagator import Propagator
 from pacinian.solving.region_phases import settle_phases
 from pacinian.solving.skin_phases import (
@@ -19,9 +18,10 @@ from pacinian.solving.skin_phases import (
     MAX_SAMPLES,
     MAX_WARM_STEPS,
     MIN_AMPLITUDE,
-    MU,
+    REGION_MU,
     relax_phases,
 )
+from pacinian.solving.targets import Targets
 
 AIR, ARRAY = pc.Air(), pc.autd()  # all transducers count
 K = AIR.wavenumber(ARRAY.transducer.frequency)
@@ -54,7 +54,7 @@ def inverse(propagator: Propagator, targets: Targets) -> np.ndarray:
     G = B @ B.conj().T
     return np.linalg.inv(
         np.diag(np.where(targets.beside, 1.0 / BESIDE_WEIGHT, 1.0))
-        + G / (MU * G.diagonal().real.mean())
+        + G / (REGION_MU * G.diagonal().real.mean())
     )
 
 

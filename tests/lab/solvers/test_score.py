@@ -8,10 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import pacinian as pc
-from pacinian_lab.solvers.problems import AIR, Problem, matrix
+from pacinian_lab.solvers.problems import AIR, BenchmarkProblem, matrix
 from pacinian_lab.solvers.score import eight_bit, score
 
-PROBLEM = Problem.make(1, 5, 0.2, 0)
+PROBLEM = BenchmarkProblem.make(1, 5, 0.2, 0)
 B = matrix(PROBLEM.positions, PROBLEM.points)
 ASK = (PROBLEM.positions, PROBLEM.points, PROBLEM.targets)
 EXACT = np.linalg.pinv(B) @ PROBLEM.targets  # far from the limit

@@ -11,11 +11,11 @@ import pytest
 
 from pacinian_lab.solvers import run
 from pacinian_lab.solvers import worker_process as process
-from pacinian_lab.solvers.problems import Problem
+from pacinian_lab.solvers.problems import BenchmarkProblem
 from pacinian_lab.solvers.score import score
 from pacinian_lab.solvers.worker_process import Worker, WorkerError
 
-PROBLEM = Problem.make(1, 3, 0.5, 0)
+PROBLEM = BenchmarkProblem.make(1, 3, 0.5, 0)
 FAKE = Path(__file__).with_name("fake.py")
 LIMIT = 60.0
 

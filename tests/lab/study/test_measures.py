@@ -17,11 +17,11 @@ import pacinian as pc
 from pacinian.devices.description import LevelCounts, TransducerType
 from pacinian.testing import ManualClock
 from pacinian_lab.study import worker
-from pacinian_lab.study.file import Picture, Study, read
 from pacinian_lab.study.layouts import Autd, Lattice, Rings
 from pacinian_lab.study.measures import MEASURES, amplitudes, compute_emitted_power, image
 from pacinian_lab.study.patterns import Focus, Points, RandomPoints
 from pacinian_lab.study.planes import Plane
+from pacinian_lab.study.study_file import Picture, Study, read
 from pacinian_lab.study.tasks import Plan
 from pacinian_lab.study.worker import measure, quantise_gains, solve, targets
 

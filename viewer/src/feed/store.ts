@@ -51,7 +51,7 @@ export interface Events {
   replay: Replay;
 }
 
-const BEAT = 200; // shortest time from the first unread message until the readers are called [ms]
+const MIN_CALL_INTERVAL = 200; // shortest time from the first unread message until the readers are called [ms]
 
 type Listeners = Map<keyof Events, ((value: never) => void)[]>;
 
@@ -136,5 +136,5 @@ function call(listeners: ((value: never) => void)[] | undefined, value: unknown)
 }
 
 function beforeFrame(read: () => void): void {
-  setTimeout(() => requestAnimationFrame(read), BEAT);
+  setTimeout(() => requestAnimationFrame(read), MIN_CALL_INTERVAL);
 }

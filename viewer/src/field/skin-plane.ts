@@ -7,10 +7,10 @@ import { floats, indices } from "../feed/numbers";
 import { nextId } from "./request-ids";
 
 const CELLS = 64;
-const BESIDE = 0.009; // margin around the samples [m]
-const SMALLEST = 0.024; // shortest side of the square [m]
-const STAYS = 0.002; // distance by which the contact may move before the square does [m]
-const TURNS = Math.cos(0.1); // cosine of the angle by which a side may turn before the square is requested again
+const MARGIN = 0.009; // margin around the samples [m]
+const MIN_SIDE = 0.024; // shortest side of the square [m]
+const MIN_CONTACT_MOVE = 0.002; // distance by which the contact may move before the square does [m]
+const MIN_TURN_COSINE = Math.cos(0.1); // cosine of the angle by which a side may turn before the square is requested again
 const CHECK_INTERVAL = 250; // shortest time between two checks [ms]
 
 export class SkinPlane {
@@ -91,7 +91,7 @@ export function square(state: State, wanted = ""): { plane: Plane; object: strin
     [[], []],
   );
   const middle = (k: number): number => ((low[k] ?? 0) + (high[k] ?? 0)) / 2;
-  const side = Math.max(...[0, 1].map((k) => (high[k] ?? 0) - (low[k] ?? 0) + 2 * BESIDE), SMALLEST);
+  const side = Math.max(...[0, 1].map((k) => (high[k] ?? 0) - (low[k] ?? 0) + 2 * MARGIN), MIN_SIDE);
   const height = at.reduce((sum, p) => sum + p.dot(n), 0) / at.length;
   const centre = new Vector3().addScaledVector(u, middle(0)).addScaledVector(v, middle(1)).addScaledVector(n, height);
   const plane: Plane = {
@@ -106,6 +106,7 @@ export function square(state: State, wanted = ""): { plane: Plane; object: strin
 
 function near(a: Plane, b: Plane): boolean {
   const away = new Vector3(...a.centre).distanceTo(new Vector3(...b.centre));
-  const turned = new Vector3(...a.u).dot(new Vector3(...b.u)) < TURNS || new Vector3(...a.v).dot(new Vector3(...b.v)) < TURNS;
-  return away < STAYS && !turned && Math.abs(a.size[0] - b.size[0]) < STAYS;
+  const cosine = Math.min(new Vector3(...a.u).dot(new Vector3(...b.u)), new Vector3(...a.v).dot(new Vector3(...b.v)));
+  const turned = cosine < MIN_TURN_COSINE;
+  return away < MIN_CONTACT_MOVE && !turned && Math.abs(a.size[0] - b.size[0]) < MIN_CONTACT_MOVE;
 }

@@ -5,9 +5,9 @@ import { across, number, type Axis } from "../space/planes";
 import { nextId } from "./request-ids";
 
 const INITIAL_CELLS = 128; // values along each side
-const COARSE = 2; // divisor of the resolution during a drag
+const DRAG_DIVISOR = 2; // divisor of the resolution during a drag
 const MAX_COORDINATE = 10; // largest coordinate of the wire [m]
-const NEAR = 0.002; // distance by which the contact may move before the slice does [m]
+const MIN_CONTACT_MOVE = 0.002; // distance by which the contact may move before the slice does [m]
 
 export class SlicePlane {
   axis: Axis = "y";
@@ -28,7 +28,7 @@ export class SlicePlane {
   constructor(private readonly send: (message: ToViewer) => void) {}
 
   get plane(): Plane {
-    const cells = this.moving ? Math.max(Math.round(this.cells / COARSE), 2) : this.cells;
+    const cells = this.moving ? Math.max(Math.round(this.cells / DRAG_DIVISOR), 2) : this.cells;
     return across(this.axis, [...this.centre], this.side, cells);
   }
 
@@ -44,7 +44,7 @@ export class SlicePlane {
   /** Follow a contact at `centre` [m], and turn to the `axis` that faces the user, where these are switched on. */
   attend(centre: Triple, axis: Axis): void {
     const away = Math.hypot(...centre.map((x, n) => x - (this.centre[n] ?? 0)));
-    const goes = this.follows && !this.moving && away > NEAR;
+    const goes = this.follows && !this.moving && away > MIN_CONTACT_MOVE;
     const turns = this.faces && !this.moving && axis !== this.axis;
     if (goes) this.centre.splice(0, 3, ...centre);
     if (turns) this.axis = axis;

@@ -3,7 +3,7 @@
 import type { Over, ToViewer, Triple } from "../feed/messages";
 import { nextId } from "./request-ids";
 
-const STAYS = 0.02; // distance by which the contact may move before the box does [m]
+const MIN_CONTACT_MOVE = 0.02; // distance by which the contact may move before the box does [m]
 
 export class SurfaceBox {
   shown = false;
@@ -29,7 +29,7 @@ export class SurfaceBox {
   /** Move the box to `centre` [m], if that is far enough away. */
   follow(centre: Triple): void {
     const away = Math.hypot(...centre.map((x, n) => x - (this.centre[n] ?? 0)));
-    if (away < STAYS) return;
+    if (away < MIN_CONTACT_MOVE) return;
     this.centre = [...centre];
     if (this.shown) this.ask();
   }

@@ -3,10 +3,10 @@
 import type { AlignedData } from "uplot";
 
 export const SPAN = 30; // time that the charts show [s]; also in core/pacinian/viewing/history.py
-const BIN = 0.25; // interval of one point of the chart, one or two pixels wide [s]
-const WINDOW = 1; // time that each point covers [s]; the mean of fewer frames of a modulation would scatter
-const BACK = 0.2; // largest step back between messages [s]
-const GAP = 1; // time without values from which the line is broken [s]
+const POINT_INTERVAL = 0.25; // interval of one point of the chart, one or two pixels wide [s]
+const POINT_WINDOW = 1; // time that each point covers [s]; the mean of fewer frames of a modulation would scatter
+const MAX_STEP_BACK = 0.2; // largest step back between messages [s]
+const MIN_GAP = 1; // time without values from which the line is broken [s]
 
 export type Kind = "mean" | "max";
 
@@ -23,15 +23,16 @@ export class ChartSeries {
   }
 
   /**
-   * Add values. moment: by the server's clock [s]; if it lies more than BACK before the last one, the history starts
+   * Add values. moment: by the server's clock [s]; if it lies more than MAX_STEP_BACK before the last one, the history starts
    * again. A value that is not finite leaves a gap.
    */
   add(moment: number, ...values: number[]): void {
-    if (this.last !== undefined && moment < this.last - BACK) this.clear();
+    if (this.last !== undefined && moment < this.last - MAX_STEP_BACK) this.clear();
     const { last } = this;
     const time = Math.max(moment, last ?? moment);
-    if (last !== undefined && time - last > GAP) this.push((last + time) / 2);
-    if (last === undefined || time - last > GAP || Math.floor(time / BIN) !== Math.floor(last / BIN)) this.push(time);
+    if (last !== undefined && time - last > MIN_GAP) this.push((last + time) / 2);
+    const bin = (at: number): number => Math.floor(at / POINT_INTERVAL);
+    if (last === undefined || time - last > MIN_GAP || bin(time) !== bin(last)) this.push(time);
     this.last = time;
     values.forEach((value, k) => this.join(k, value));
     let old = 0;
@@ -76,7 +77,7 @@ export class ChartSeries {
     const [values, counts] = [this.values[k] ?? [], this.counts[k] ?? []];
     const end = this.times[bin] ?? 0;
     let [sum, count, most] = [0, 0, -Infinity];
-    for (let each = bin; each >= 0 && end - (this.times[each] ?? end) < WINDOW; each--) {
+    for (let each = bin; each >= 0 && end - (this.times[each] ?? end) < POINT_WINDOW; each--) {
       const value = values[each] ?? null;
       if (value === null) break;
       sum += value * (counts[each] ?? 0);

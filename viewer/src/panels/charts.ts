@@ -10,11 +10,11 @@ import { element, say } from "./dom";
 import { ChartSeries, SPAN } from "./chart-series";
 import { digits, percent } from "./format";
 
-const SELDOM = 1000; // time between two drawings with software rendering [ms]
+const SOFTWARE_DRAW_INTERVAL = 1000; // time between two drawings with software rendering [ms]
 const ERRORS = [1e-4, 0.01, 1, 100] as const; // tick marks [%]; smaller errors are drawn at the first one
 const COUNTS = [0, 10, 100, 1000, 10_000];
-const SHORTEST = 0.01; // lower end of the axis of tick times, which has no 0 [ms]
-const LONGEST = 100; // upper end before the first histogram [ms]
+const MIN_TICK_TIME = 0.01; // lower end of the axis of tick times, which has no 0 [ms]
+const INITIAL_MAX_TICK_TIME = 100; // upper end before the first histogram [ms]
 const INK = "#8b96a6";
 const LINE = "#8fc7ff";
 const FAINT = "#4b6d93";
@@ -29,7 +29,7 @@ export class Charts {
   private readonly error = new ChartSeries(["mean", "max"]);
   private readonly plots: { drive: uPlot; error: uPlot; ticks: uPlot };
   private histogram: Histogram | undefined;
-  private readonly apart = drawnBySoftware() ? SELDOM : 0;
+  private readonly apart = drawnBySoftware() ? SOFTWARE_DRAW_INTERVAL : 0;
   private due = 0;
 
   /** driven: returns the present mean and maximum of the amplitudes, 0..1. */
@@ -105,7 +105,7 @@ export class Charts {
 
   private edges(): [number, number] {
     const edges = this.histogram?.edges_ms ?? [];
-    return [edges[0] || SHORTEST, edges.at(-1) ?? LONGEST];
+    return [edges[0] || MIN_TICK_TIME, edges.at(-1) ?? INITIAL_MAX_TICK_TIME];
   }
 
   private powers(): number[] {

@@ -4,7 +4,7 @@ import type { HoverValue } from "../space/pointer";
 import { element, say } from "./dom";
 import { digits, millimetres } from "./format";
 
-const BESIDE = 14; // distance from the mouse [px]
+const MOUSE_DISTANCE = 14; // distance from the mouse [px]
 
 export function showHoverValue(told: HoverValue | null): void {
   const note = element("told");
@@ -14,9 +14,9 @@ export function showHoverValue(told: HoverValue | null): void {
   const place = [at.x, at.y, at.z].map(millimetres).join(", ");
   say(note, `${words(told)} at (${place}) mm`);
   const { left, top, right } = element("space").getBoundingClientRect();
-  const over = x + BESIDE + note.offsetWidth > right;
-  const across = x - left + (over ? -BESIDE - note.offsetWidth : BESIDE);
-  note.style.transform = `translate(${across}px, ${y - top + BESIDE}px)`;
+  const over = x + MOUSE_DISTANCE + note.offsetWidth > right;
+  const across = x - left + (over ? -MOUSE_DISTANCE - note.offsetWidth : MOUSE_DISTANCE);
+  note.style.transform = `translate(${across}px, ${y - top + MOUSE_DISTANCE}px)`;
 }
 
 function words({ value, quantity }: HoverValue): string {

@@ -7,8 +7,8 @@ import { ERRORS, PHASES, PRESSURES } from "../space/map-textures";
 import { element, get, made, say } from "./dom";
 import { digits, trimmed } from "./format";
 
-const HOLE = 0.62; // radius of the hole, relative to the wheel's
-const TICKS = 5;
+const HOLE_RADIUS = 0.62; // radius of the hole, relative to the wheel's
+const TICK_COUNT = 5;
 const CAPTIONS: Record<Over, string> = {
   mean: "mean pressure [Pa]",
   peak: "peak pressure [Pa]",
@@ -32,7 +32,7 @@ export function drawLegend(): void {
         const angle = Math.atan2(middle - y, x - middle) / (2 * Math.PI);
         const k = 4 * (Math.round(((angle + 1) % 1) * COLOURS) % COLOURS);
         image.data.set(PHASES.subarray(k, k + 3), 4 * (y * side + x));
-        const soft = Math.min((1 - radius) * middle, (radius - HOLE) * middle);
+        const soft = Math.min((1 - radius) * middle, (radius - HOLE_RADIUS) * middle);
         image.data[4 * (y * side + x) + 3] = 255 * Math.min(Math.max(soft, 0), 1);
       }
     }
@@ -46,7 +46,7 @@ export function scaleBar(most: number, quantity: Quantity, law: ScaleLaw = "line
   if (quantity !== painted) paintBar(quantity);
   painted = quantity;
   say(element("bar-caption"), quantity === "error" ? "made − asked [Pa]" : CAPTIONS[average]);
-  const places = Array.from({ length: TICKS }, (_, k) => 1 - k / (TICKS - 1));
+  const places = Array.from({ length: TICK_COUNT }, (_, k) => 1 - k / (TICK_COUNT - 1));
   const ticks = places.map((at) => (quantity === "error" ? most * (2 * at - 1) : most * shareAt(at, law)));
   const list = element("bar-ticks");
   ticks.forEach((tick, k) => {

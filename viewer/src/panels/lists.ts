@@ -7,8 +7,8 @@ import { element, made, rows, say } from "./dom";
 import { split } from "./skip-reasons";
 import { digits, plural, seconds, whole } from "./format";
 
-const OBJECTS = 8; // number of objects listed
-const KEPT = 50; // number of faults listed
+const MAX_OBJECTS = 8; // number of objects listed
+const MAX_FAULTS = 50; // number of faults listed
 
 export class Lists {
   /** Number of faults known so far; undefined before the first state of a server. */
@@ -58,7 +58,7 @@ export class Lists {
     for (const text of faults.slice(-fresh)) {
       element("faults").prepend(item(text, at, known === undefined));
     }
-    while (element("faults").children.length > KEPT) element("faults").lastElementChild?.remove();
+    while (element("faults").children.length > MAX_FAULTS) element("faults").lastElementChild?.remove();
     if (known !== undefined) say(element("spoken"), `Fault: ${faults.at(-1) ?? ""}`);
   }
 }
@@ -96,7 +96,7 @@ function sampled(state: State): string[][] {
     sum.achieved += achieved[k] ?? 0;
   });
   return sums
-    .slice(0, OBJECTS)
+    .slice(0, MAX_OBJECTS)
     .map(({ name, count, ...sum }) => [
       name || "unnamed",
       whole(count),

@@ -7,7 +7,7 @@ import { element, made, marked, say, sayMarked } from "./dom";
 import { ended, sentence } from "./format";
 import { forPage } from "./silence";
 
-const STAYS = 15_000; // time that a notice stays [ms]
+const NOTICE_TIME = 15_000; // time that a notice stays [ms]
 const MAX_NOTES = 2;
 
 export function notices(store: Store): void {
@@ -65,7 +65,7 @@ function note(heading: string, message: string, advice: string): void {
   for (const shown of [...area.children]) if (shown.textContent === added.textContent) shown.remove();
   const away = (): void => added.remove();
   close.addEventListener("click", away);
-  setTimeout(away, STAYS);
+  setTimeout(away, NOTICE_TIME);
   area.append(added);
   while (area.children.length > MAX_NOTES) area.firstElementChild?.remove();
 }

@@ -5,8 +5,8 @@ import type { Store } from "../feed/store";
 import { whyUnavailable } from "./advice";
 import { choices, element, input, say, select } from "./dom";
 
-const PATIENCE = 15_000; // time until a choice that the server does not follow is replaced by its own [ms]
-const STROKE = 0.002; // amplitude of lateral modulation [m]
+const CHOICE_TIMEOUT = 15_000; // time until a choice that the server does not follow is replaced by its own [ms]
+const LATERAL_AMPLITUDE = 0.002; // amplitude of lateral modulation [m]
 const FREQUENCIES: Record<string, number> = { am: 200, stm: 100, lm: 100 };
 const NAMES: Record<string, string> = {
   "": "of each object",
@@ -68,7 +68,7 @@ export class ServerChoices {
   }
 
   private ask(kind: string, value: string, selection: Selection): void {
-    this.waiting.set(kind, { value, until: performance.now() + PATIENCE });
+    this.waiting.set(kind, { value, until: performance.now() + CHOICE_TIMEOUT });
     select(kind).setAttribute("aria-busy", "true");
     this.send({ type: "select", ...selection });
   }
@@ -152,7 +152,7 @@ function technique(type: string, frequency: number): Technique {
     case "stm":
       return { type, frequency };
     case "lm":
-      return { type, frequency, amplitude: STROKE };
+      return { type, frequency, amplitude: LATERAL_AMPLITUDE };
     default:
       return { type: "simultaneous" };
   }

@@ -5,7 +5,7 @@ import { CatmullRomCurve3, CurvePath, LineCurve3, Vector3, type Curve as Way } f
 import { floats } from "../feed/numbers";
 import type { Curve } from "../feed/objects";
 
-const AROUND = 128; // number of points of a closed curve
+const CLOSED_CURVE_POINTS = 128; // number of points of a closed curve
 const MERGE_DISTANCE = 1e-6; // distance up to which two points count as one [m]
 
 /** Convert a curve to one of three. */
@@ -51,6 +51,6 @@ function placed(curve: Curve): Vector3[] {
 }
 
 function around(at: (angle: number) => Vector3, turns = 1): Vector3[] {
-  const count = AROUND * Math.min(turns, 16);
+  const count = CLOSED_CURVE_POINTS * Math.min(turns, 16);
   return Array.from({ length: count }, (_, k) => at((2 * Math.PI * k) / count));
 }

@@ -5,7 +5,7 @@ import { BufferAttribute, BufferGeometry, CircleGeometry, PlaneGeometry } from "
 import { floats } from "../feed/numbers";
 import type { Shell } from "../feed/objects";
 
-const AROUND = 72;
+const OUTLINE_POINTS = 72;
 
 type Flat = Extract<Shell, { type: "rectangle" | "disc" | "height-map" }>;
 
@@ -19,7 +19,7 @@ export function flat(shape: Flat): BufferGeometry {
     case "rectangle":
       return new PlaneGeometry(shape.width, shape.height);
     case "disc":
-      return new CircleGeometry(shape.radius, AROUND);
+      return new CircleGeometry(shape.radius, OUTLINE_POINTS);
     case "height-map":
       return heightMap(shape);
   }

@@ -26,9 +26,9 @@ import { image } from "./texture";
 const SOLID = "#6f9ed6";
 const OPEN = "#7fb8c9";
 const LINE = "#9ad0e0";
-const BODY = 0.34;
-const THIN = 0.0011; // radius of a drawn line [m]
-const PIECES = 256; // number of segments of a tube
+const BODY_OPACITY = 0.34;
+const LINE_RADIUS = 0.0011; // radius of a drawn line [m]
+const TUBE_SEGMENTS = 256; // number of segments of a tube
 
 /** A drawn object. drawn: false if only its outline is. reach: distance from the origin to the farthest point [m]. */
 export interface Made {
@@ -57,7 +57,7 @@ function model(thing: Thing): Object3D {
     case "path": {
       const curve = way(thing.shape);
       const closed = thing.shape.type !== "line" && thing.shape.type !== "polyline";
-      return new Mesh(new TubeGeometry(curve, PIECES, THIN, 8, closed), plain(LINE));
+      return new Mesh(new TubeGeometry(curve, TUBE_SEGMENTS, LINE_RADIUS, 8, closed), plain(LINE));
     }
     case "surface":
     case "volume": {
@@ -67,7 +67,7 @@ function model(thing: Thing): Object3D {
       const texture = thing.texture;
       return new Translucent(geometry, {
         colour: open ? OPEN : SOLID,
-        body: BODY,
+        body: BODY_OPACITY,
         open: open || thing.type === "surface",
         ...(texture ? { texture: { map: image(texture), size: texture.size } } : {}),
       });

@@ -15,10 +15,10 @@ import type { Hands } from "./hands";
 import { Label, type Kept } from "./labels";
 
 const STEPS = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1];
-const LINES = 7; // largest number of steps on the longer side, roughly
-const BELOW = 0.006; // distance of the floor below the array [m]
-const NAMES = 3; // the last labels are the names x, y, z
-const AWAY = 0.018; // distance from an axis to its numbers, relative to the diagonal
+const MAX_STEPS = 7; // largest number of steps on the longer side, roughly
+const FLOOR_DEPTH = 0.006; // distance of the floor below the array [m]
+const AXIS_NAME_COUNT = 3; // the last labels are the names x, y, z
+const LABEL_DISTANCE = 0.018; // distance from an axis to its numbers, relative to the diagonal
 const GRID = new LineBasicMaterial({ color: "#2a323d" });
 const AXIS = new LineBasicMaterial({ color: "#55606f" });
 
@@ -30,7 +30,7 @@ export interface Extent {
 
 /** Return the step of a scale of this length [m]. */
 export function step(length: number): number {
-  return STEPS.find((each) => length / each <= LINES) ?? 1;
+  return STEPS.find((each) => length / each <= MAX_STEPS) ?? 1;
 }
 
 export class Axes extends Group {
@@ -50,7 +50,7 @@ export class Axes extends Group {
     const apart = step(Math.max(high[0] - low[0], high[1] - low[1]));
     const x = ticks(low[0], high[0], apart);
     const y = ticks(low[1], high[1], apart);
-    const floor = low[2] - BELOW;
+    const floor = low[2] - FLOOR_DEPTH;
     const tall = ticks(low[2], high[2], step(high[2] - low[2])).filter((z) => z >= low[2]);
     const [left, right, near, far] = [x[0], x.at(-1), y[0], y.at(-1)].map((each) => each ?? 0);
     if (left === undefined || right === undefined || near === undefined || far === undefined) {
@@ -58,7 +58,7 @@ export class Axes extends Group {
     }
     const top = tall.at(-1) ?? floor;
     this.box.set(new Vector3(left, near, floor), new Vector3(right, far, top));
-    const away = AWAY * Math.hypot(right - left, far - near);
+    const away = LABEL_DISTANCE * Math.hypot(right - left, far - near);
     this.lines(GRID, [
       ...x.flatMap((each) => [each, near, floor, each, far, floor]),
       ...y.flatMap((each) => [left, each, floor, right, each, floor]),
@@ -81,7 +81,7 @@ export class Axes extends Group {
    * visible ones to `kept`. project: returns where a point is on the page [px].
    */
   separate(project: (point: Vector3) => { x: number; y: number }, camera: Vector3, hands: Hands, kept: Kept[]): void {
-    for (const label of [...this.labels.slice(-NAMES), ...this.labels.slice(0, -NAMES)]) {
+    for (const label of [...this.labels.slice(-AXIS_NAME_COUNT), ...this.labels.slice(0, -AXIS_NAME_COUNT)]) {
       this.ray.set(camera, this.ray.direction.subVectors(label.position, camera).normalize());
       if (hands.covers(this.ray, label.scale.x / 2)) label.visible = false;
       else label.showIfClear(project(label.position), kept);

@@ -27,7 +27,7 @@ import { drawnBySoftware } from "./software-rendering";
 
 const JOINTS = 26; // joints of OpenXR
 const PALM = 0;
-const DEEP = 0.025; // range of the painting, before and behind its square [m]
+const PAINTED_DEPTH = 0.025; // range of the painting, before and behind its square [m]
 const SKIN = "#f2c4a4";
 
 /** Distance from each joint to the skin of an adult [m]. */
@@ -153,7 +153,7 @@ export class Hands {
     paint: { value: null },
     colours: { value: pressureMap },
     top: { value: 0 },
-    deep: { value: DEEP },
+    deep: { value: PAINTED_DEPTH },
     square: { value: new Matrix4() },
     before: { value: new Vector3(0, 0, 1) },
   };

@@ -3,22 +3,22 @@
 import type { SlicePlane } from "../field/slice-plane";
 import type { Space } from "./space";
 
-const NEARER = 1.1; // factor of one key press
-const FINE = 0.001; // step of the slice [m]
-const COARSE = 0.01; // step with Shift [m]
+const ZOOM_FACTOR = 1.1; // factor of one key press
+const SLICE_STEP = 0.001; // step of the slice [m]
+const SHIFT_SLICE_STEP = 0.01; // step with Shift [m]
 
 export function listen(space: Space, slicePlane: SlicePlane): void {
   const { viewport } = space;
   const move = (by: number, event: KeyboardEvent): void =>
-    slicePlane.move(slicePlane.position + by * (event.shiftKey ? COARSE : FINE));
+    slicePlane.move(slicePlane.position + by * (event.shiftKey ? SHIFT_SLICE_STEP : SLICE_STEP));
   const actions: Record<string, (event: KeyboardEvent) => void> = {
     ArrowLeft: () => viewport.orbit(-1, 0),
     ArrowRight: () => viewport.orbit(1, 0),
     ArrowUp: () => viewport.orbit(0, 1),
     ArrowDown: () => viewport.orbit(0, -1),
-    "+": () => viewport.orbit(0, 0, NEARER),
-    "=": () => viewport.orbit(0, 0, NEARER),
-    "-": () => viewport.orbit(0, 0, 1 / NEARER),
+    "+": () => viewport.orbit(0, 0, ZOOM_FACTOR),
+    "=": () => viewport.orbit(0, 0, ZOOM_FACTOR),
+    "-": () => viewport.orbit(0, 0, 1 / ZOOM_FACTOR),
     Home: () => viewport.all(),
     f: () => space.fit(),
     "1": () => viewport.from("y"),

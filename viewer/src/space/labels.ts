@@ -2,7 +2,7 @@
 
 import { CanvasTexture, LinearFilter, NoColorSpace, Sprite, SpriteMaterial } from "three";
 
-const FINE = 2; // pixels of the texture per pixel of the page
+const TEXTURE_SCALE = 2; // pixels of the texture per pixel of the page
 const FONT = "system-ui, sans-serif";
 const PADDING = 3; // [px]
 const MAX_LABEL_LENGTH = 24; // characters; a longer name is shortened
@@ -33,19 +33,19 @@ export class Label extends Sprite {
   constructor(text: string, { colour = "#c3ccd8", size = 11, weight = 400 }: Style = {}) {
     const canvas = document.createElement("canvas");
     const draw = context(canvas);
-    draw.font = `${weight} ${size * FINE}px ${FONT}`;
-    const across = draw.measureText(text).width / FINE + 2 * PADDING;
+    draw.font = `${weight} ${size * TEXTURE_SCALE}px ${FONT}`;
+    const across = draw.measureText(text).width / TEXTURE_SCALE + 2 * PADDING;
     const high = 1.4 * size + 2;
-    canvas.width = Math.ceil(across * FINE);
-    canvas.height = Math.ceil(high * FINE);
-    draw.font = `${weight} ${size * FINE}px ${FONT}`; // again, because setting the size has reset it
+    canvas.width = Math.ceil(across * TEXTURE_SCALE);
+    canvas.height = Math.ceil(high * TEXTURE_SCALE);
+    draw.font = `${weight} ${size * TEXTURE_SCALE}px ${FONT}`; // again, because setting the size has reset it
     draw.textBaseline = "middle";
     draw.lineJoin = "round";
-    draw.lineWidth = 3 * FINE;
+    draw.lineWidth = 3 * TEXTURE_SCALE;
     draw.strokeStyle = "rgb(12 15 20 / 0.85)";
     draw.fillStyle = colour;
-    draw.strokeText(text, PADDING * FINE, canvas.height / 2);
-    draw.fillText(text, PADDING * FINE, canvas.height / 2);
+    draw.strokeText(text, PADDING * TEXTURE_SCALE, canvas.height / 2);
+    draw.fillText(text, PADDING * TEXTURE_SCALE, canvas.height / 2);
     const map = new CanvasTexture(canvas);
     map.colorSpace = NoColorSpace;
     map.generateMipmaps = false;

@@ -9,8 +9,8 @@ import { made, type Made } from "../shapes/geometry";
 import { Translucent, type Turned } from "./translucent";
 import { Label, shorten, type Kept } from "./labels";
 
-const LABELLED = 12; // largest number of objects whose names are shown
-const OVER = 0.006; // distance of a name above its object [m]
+const MAX_LABELS = 12; // largest number of objects whose names are shown
+const LABEL_HEIGHT = 0.006; // distance of a name above its object [m]
 
 export class Placed extends Group implements Turned {
   readonly middle = new Vector3();
@@ -47,7 +47,7 @@ export class Placed extends Group implements Turned {
     this.quaternion.fromArray(this.numbers, 3);
     this.middle.copy(this.position);
     this.label.position.copy(this.position);
-    this.label.position.z += this.shown.reach + OVER;
+    this.label.position.z += this.shown.reach + LABEL_HEIGHT;
   }
 
   override dispose(): void {
@@ -75,7 +75,7 @@ export class Objects {
    * project: returns where a point is on the page [px].
    */
   separate(project: (point: Vector3) => { x: number; y: number }, kept: Kept[]): void {
-    const few = this.all.size <= LABELLED;
+    const few = this.all.size <= MAX_LABELS;
     for (const { label } of this.all.values()) {
       if (few) label.showIfClear(project(label.position), kept);
       else label.visible = false;

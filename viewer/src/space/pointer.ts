@@ -7,8 +7,8 @@ import type { SlicePlane } from "../field/slice-plane";
 import { hit, number, value } from "./planes";
 import type { Space } from "./space";
 
-const NEAR = 22; // distance from the arrow within which the mouse grips it [px]
-const HEADLONG = 0.97; // cosine of the angle to the normal, above which moving the mouse up and down drags the slice
+const GRIP_DISTANCE = 22; // distance from the arrow within which the mouse grips it [px]
+const HEAD_ON_COSINE = 0.97; // cosine of the angle to the normal, above which moving the mouse up and down drags the slice
 
 /** A value of the slice under the mouse. */
 export interface HoverValue {
@@ -49,7 +49,7 @@ export class Pointer {
     if (!this.slicePlane.shown || !this.grips(event)) return;
     controls.enabled = false;
     canvas.setPointerCapture(event.pointerId);
-    const headlong = Math.abs(this.slope()) > HEADLONG;
+    const headlong = Math.abs(this.slope()) > HEAD_ON_COSINE;
     const to = headlong ? this.upwards.bind(this) : this.along.bind(this);
     this.drag = { to, from: to(event), start: this.slicePlane.position };
     this.over = undefined;
@@ -113,7 +113,7 @@ export class Pointer {
 
   private grips(event: PointerEvent): boolean {
     const grip = this.space.viewport.project(this.space.slice.gripped);
-    if (Math.hypot(grip.x - event.clientX, grip.y - event.clientY) < NEAR) return true;
+    if (Math.hypot(grip.x - event.clientX, grip.y - event.clientY) < GRIP_DISTANCE) return true;
     return hit(this.slicePlane.plane, this.caster.ray) !== null;
   }
 
@@ -133,7 +133,7 @@ export class Pointer {
     const away = this.base().sub(ray.origin);
     const slope = this.slope();
     const further = slope * ray.direction.dot(away) - this.normal.dot(away);
-    return this.slicePlane.position + further / Math.max(1 - slope * slope, 1 - HEADLONG ** 2);
+    return this.slicePlane.position + further / Math.max(1 - slope * slope, 1 - HEAD_ON_COSINE ** 2);
   }
 
   /** Like `along`, for a camera that looks along the normal: moving the mouse up increases the position. */

@@ -1,8 +1,8 @@
 /** Sizes of the rings of samples, chosen so that neighbours do not cover each other. */
 
-const SHARE = 0.55; // radius relative to the distance of neighbours; rings of equal pressure just overlap
-const LEAST = 0.0007; // smallest radius [m]
-const SAME = 1e-4; // distance up to which two samples are at one place [m]
+const RADIUS_SHARE = 0.55; // radius relative to the distance of neighbours; rings of equal pressure just overlap
+const MIN_RADIUS = 0.0007; // smallest radius [m]
+const SAME_PLACE_DISTANCE = 1e-4; // distance up to which two samples are at one place [m]
 
 /**
  * Return, for each sample, the radius of its object's largest ring [m]. It follows from the median distance between the
@@ -18,14 +18,14 @@ export function radii(points: Float32Array, index: ArrayLike<number>, most: numb
       if (n === m || (index[n] ?? 0) !== own) continue;
       let square = 0;
       for (let k = 0; k < 3; k++) square += ((points[3 * m + k] ?? 0) - (points[3 * n + k] ?? 0)) ** 2;
-      if (square > SAME * SAME && square < least) least = square;
+      if (square > SAME_PLACE_DISTANCE * SAME_PLACE_DISTANCE && square < least) least = square;
     }
     nearest.set(own, [...(nearest.get(own) ?? []), Math.sqrt(least)]);
   }
   const sizes = new Map<number, number>();
   for (const [own, distances] of nearest) {
     const middle = distances.sort((a, b) => a - b)[distances.length >> 1] ?? Infinity;
-    sizes.set(own, Math.min(Math.max(SHARE * middle, LEAST), most));
+    sizes.set(own, Math.min(Math.max(RADIUS_SHARE * middle, MIN_RADIUS), most));
   }
   return Float32Array.from({ length: count }, (_, m) => sizes.get(index[m] ?? 0) ?? most);
 }

@@ -20,9 +20,9 @@ import { floats, indices } from "../feed/numbers";
 import { radii } from "./ring-sizes";
 import { FACED, Quads } from "./quads";
 
-const LARGEST = 0.0045; // largest radius [m]
-const ABOVE = 0.0012; // distance above the skin [m]
-const BEHIND = 0.3; // opacity behind something else
+const MAX_RADIUS = 0.0045; // largest radius [m]
+const SKIN_DISTANCE = 0.0012; // distance above the skin [m]
+const HIDDEN_OPACITY = 0.3; // opacity behind something else
 
 const VERTEX = `
 attribute vec2 corner;
@@ -37,7 +37,7 @@ void main() {
   fill = sqrt(achieved / most);
   at = corner * (max(ring, fill) + 0.25);
   vec3 n = dot(facing, facing) > 0.5 ? facing : normalize(cameraPosition - centre);
-  vec3 p = centre + ${ABOVE} * n + size * faced(n, at);
+  vec3 p = centre + ${SKIN_DISTANCE} * n + size * faced(n, at);
   gl_Position = projectionMatrix * modelViewMatrix * vec4(p, 1.0);
 }`;
 
@@ -71,7 +71,7 @@ export class Samples {
   private readonly point = new Vector3();
 
   constructor() {
-    this.group.add(this.mesh(LessEqualDepth, 1, 9000), this.mesh(GreaterDepth, BEHIND, 9001));
+    this.group.add(this.mesh(LessEqualDepth, 1, 9000), this.mesh(GreaterDepth, HIDDEN_OPACITY, 9001));
   }
 
   get count(): number {
@@ -87,7 +87,7 @@ export class Samples {
     this.discs.write("facing", floats(state.normals));
     this.discs.write("asked", asked);
     this.discs.write("achieved", floats(state.achieved));
-    this.discs.write("size", radii(points, indices(state.index), LARGEST));
+    this.discs.write("size", radii(points, indices(state.index), MAX_RADIUS));
     this.most = asked.reduce((a, b) => Math.max(a, b), 0);
     this.scale.value = this.most || 1;
     this.middle.set(0, 0, 0);

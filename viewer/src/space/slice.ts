@@ -27,8 +27,8 @@ import { errorMap, pressureMap } from "./map-textures";
 import { matrix } from "./planes";
 
 const ACCENT = "#8fc7ff";
-const OVER = 7000; // render order of an error slice: over everything but frame, arrow and samples
-const GRIP = 52; // length of the arrow [px]
+const ERROR_RENDER_ORDER = 7000; // render order of an error slice: over everything but frame, arrow and samples
+const ARROW_LENGTH = 52; // length of the arrow [px]
 
 const VERTEX = `
 varying vec2 at;
@@ -114,7 +114,7 @@ export class FieldSlice implements Turned {
 
   set turn(turn: number) {
     this.last = turn;
-    this.field.renderOrder = this.quantity === "error" ? OVER : 2 * turn;
+    this.field.renderOrder = this.quantity === "error" ? ERROR_RENDER_ORDER : 2 * turn;
   }
 
   /** Pressure, or magnitude of the error, at the end of the colour bar [Pa]. */
@@ -188,7 +188,7 @@ export class FieldSlice implements Turned {
 
   /** Set the size of the arrow. perPixel: length of one pixel at the arrow [m]. */
   fit(perPixel: number): void {
-    this.grip.scale.setScalar(GRIP * perPixel);
+    this.grip.scale.setScalar(ARROW_LENGTH * perPixel);
   }
 
   private get texture(): DataTexture | null {

@@ -23,15 +23,15 @@ import { FieldSlice } from "./slice";
 import { Transducers } from "./transducers";
 import { Viewport } from "./viewport";
 
-const AHEAD = 0.3; // depth of the visible space before the array [m]
-const FOCUS = 0.2; // distance of the middle from the array while there are no samples [m]
-const ROOM = 0.02; // margin around the array [m]
-const BRIGHT = 2; // largest top of a colour scale, relative to the largest target; waves are stronger beyond a region
-const AROUND = 0.03; // margin around hands and objects [m]
-const SMALLEST = 0.16; // smallest side of the box in view [m]
-const BESIDE = 0.15; // distance from hand or contact within which an object is kept in view, too [m]
+const VISIBLE_DEPTH = 0.3; // depth of the visible space before the array [m]
+const INITIAL_FOCUS_HEIGHT = 0.2; // distance of the middle from the array while there are no samples [m]
+const ARRAY_MARGIN = 0.02; // margin around the array [m]
+const MAX_SCALE_RATIO = 2; // largest top of a colour scale over the largest target; waves are stronger beyond a region
+const OBJECT_MARGIN = 0.03; // margin around hands and objects [m]
+const MIN_BOX_SIDE = 0.16; // smallest side of the box in view [m]
+const MAX_OBJECT_DISTANCE = 0.15; // distance from hand or contact within which an object is kept in view, too [m]
 const LOOK_INTERVAL = 250; // shortest time between two moves of camera and slice [ms]
-const OLD = 3000; // time after which a slice that is out of date is hidden [ms]
+const MAX_SLICE_AGE = 3000; // time after which a slice that is out of date is hidden [ms]
 
 export class Space {
   readonly viewport: Viewport;
@@ -45,8 +45,8 @@ export class Space {
   /** Whether the camera follows hands and objects. */
   follows = true;
   law: ScaleLaw = "linear";
-  extent: Extent = { low: [-0.1, -0.1, 0], high: [0.1, 0.1, AHEAD] };
-  private readonly focus = new Vector3(0, 0, FOCUS);
+  extent: Extent = { low: [-0.1, -0.1, 0], high: [0.1, 0.1, VISIBLE_DEPTH] };
+  private readonly focus = new Vector3(0, 0, INITIAL_FOCUS_HEIGHT);
   private met = false;
   private nextLook = 0;
   /** The largest target of the last state that had samples [Pa]. */
@@ -119,14 +119,14 @@ export class Space {
   private content(): Box3 | null {
     const box = new Box3().union(this.hands.box).union(this.samples.box);
     const known = !box.isEmpty();
-    const near = known ? box.clone().expandByScalar(BESIDE) : this.axes.box;
+    const near = known ? box.clone().expandByScalar(MAX_OBJECT_DISTANCE) : this.axes.box;
     for (const { middle, reach } of this.objects.all.values()) {
-      const size = Math.min(reach, BESIDE);
+      const size = Math.min(reach, MAX_OBJECT_DISTANCE);
       if (near.containsPoint(middle)) box.union(new Box3(middle.clone(), middle.clone()).expandByScalar(size));
     }
     if (box.isEmpty()) return null;
-    box.expandByScalar(AROUND);
-    const small = new Vector3().setScalar(SMALLEST).sub(box.getSize(new Vector3())).max(new Vector3());
+    box.expandByScalar(OBJECT_MARGIN);
+    const small = new Vector3().setScalar(MIN_BOX_SIDE).sub(box.getSize(new Vector3())).max(new Vector3());
     return box.expandByVector(small.multiplyScalar(0.5));
   }
 
@@ -154,7 +154,7 @@ export class Space {
     const other = plane && ![...centre, ...u, ...v].every((x, k) => near(x, [...plane.centre, ...plane.u, ...plane.v][k]));
     const ended = plane && this.state?.output !== "sounding";
     this.old = other || ended ? (this.old ?? now) : undefined;
-    if (this.old === undefined || now < this.old + OLD) return;
+    if (this.old === undefined || now < this.old + MAX_SLICE_AGE) return;
     this.slice.clear();
     this.viewport.urge();
   }
@@ -193,7 +193,8 @@ export class Space {
   paint(plane: Plane, felt: Float32Array<ArrayBuffer>, asked: Float32Array): number {
     const most = (values: Float32Array): number => values.reduce((a, b) => (b > a ? b : a), 0);
     const wanted = most(asked);
-    const top = round(Math.min(most(felt), BRIGHT * wanted) > wanted ? Math.min(most(felt), BRIGHT * wanted) : wanted);
+    const bright = Math.min(most(felt), MAX_SCALE_RATIO * wanted);
+    const top = round(bright > wanted ? bright : wanted);
     this.hands.paint(plane, felt, top);
     this.layer();
     this.viewport.change();
@@ -235,12 +236,12 @@ export class Space {
     this.transducers.place(array);
     this.frame = undefined;
     this.extent = {
-      low: [low[0] - ROOM, low[1] - ROOM, low[2]],
-      high: [high[0] + ROOM, high[1] + ROOM, high[2] + AHEAD],
+      low: [low[0] - ARRAY_MARGIN, low[1] - ARRAY_MARGIN, low[2]],
+      high: [high[0] + ARRAY_MARGIN, high[1] + ARRAY_MARGIN, high[2] + VISIBLE_DEPTH],
     };
     this.axes.place(this.extent);
     const centre = low.map((x, n) => (x + (high[n] ?? x)) / 2);
-    this.focus.set(centre[0] ?? 0, centre[1] ?? 0, high[2] + FOCUS);
+    this.focus.set(centre[0] ?? 0, centre[1] ?? 0, high[2] + INITIAL_FOCUS_HEIGHT);
     if (alike(before, this.extent)) return; // the same array: the server is back
     this.viewport.whole = this.axes.box;
     if (!this.met) this.viewport.all();
@@ -283,7 +284,7 @@ export class Space {
   private look(): void {
     this.asked = this.samples.most || this.asked;
     const asked = this.slice.quantity === "pressure" ? this.asked : 0;
-    const most = asked > 0 ? Math.min(this.most, BRIGHT * asked) : this.most;
+    const most = asked > 0 ? Math.min(this.most, MAX_SCALE_RATIO * asked) : this.most;
     if (this.slicePlane.shown && this.scale.see(most)) this.rescale();
   }
 

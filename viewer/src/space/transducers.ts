@@ -7,9 +7,9 @@ import { floats, into } from "../feed/numbers";
 import { FACED, Quads } from "./quads";
 import { phaseMap } from "./map-textures";
 
-const FILL = 0.46; // radius of a disc over the distance to its neighbour
-const ALONE = 0.005; // radius of a single disc [m]
-const COMPARED = 64; // number of transducers that are compared with all others to find the smallest distance
+const RADIUS_SHARE = 0.46; // radius of a disc over the distance to its neighbour
+const LONE_RADIUS = 0.005; // radius of a single disc [m]
+const MAX_COMPARED = 64; // number of transducers that are compared with all others to find the smallest distance
 
 // The colour is looked up per corner, not per pixel, which is noticeably faster in software rendering.
 const VERTEX = `
@@ -46,7 +46,7 @@ export class Transducers {
   /** Mean and maximum of the amplitudes, 0..1. */
   drive = { mean: 0, most: 0 };
   private readonly discs = new Quads({ centre: 3, facing: 3, phase: 1, amplitude: 1 });
-  private readonly radius = { value: ALONE };
+  private readonly radius = { value: LONE_RADIUS };
   /** Amplitude of each level, 0..1; empty if they are evenly spaced. */
   private sizes: ArrayLike<number> = [];
   private levels = new Uint16Array(0);
@@ -109,11 +109,11 @@ function radius(centres: Float32Array): number {
   const apart = (i: number, j: number, axis: number): number =>
     (centres[3 * i + axis] ?? 0) - (centres[3 * j + axis] ?? 0);
   let least = Infinity;
-  for (let i = 0; i < Math.min(count, COMPARED); i++) {
+  for (let i = 0; i < Math.min(count, MAX_COMPARED); i++) {
     for (let j = 0; j < count; j++) {
       const away = Math.hypot(apart(i, j, 0), apart(i, j, 1), apart(i, j, 2));
       if (away > 1e-6 && away < least) least = away;
     }
   }
-  return Number.isFinite(least) ? FILL * least : ALONE;
+  return Number.isFinite(least) ? RADIUS_SHARE * least : LONE_RADIUS;
 }

@@ -14,16 +14,16 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { allPower, drawnBySoftware } from "./software-rendering";
 
 const FOV = 32; // [deg]
-const FINEST = 2; // largest number of device pixels per pixel of the page
-const SELDOM = 120; // shortest time between frames with software rendering, unless the user acts [ms]
-const STEP = Math.PI / 36; // angle of one key press [rad]
+const MAX_PIXEL_RATIO = 2; // largest number of device pixels per pixel of the page
+const SOFTWARE_FRAME_INTERVAL = 120; // shortest time between frames with software rendering, unless the user acts [ms]
+const KEY_ANGLE = Math.PI / 36; // angle of one key press [rad]
 const DAMPING = 0.12;
-const POLAR = 1.12; // initial angle from above [rad]
-const AZIMUTH = -0.62; // initial angle from the front [rad]
-const FILLED = 0.88; // share of the view that a fitted box fills
-const ROUNDS = 5; // number of iterations to fit a box
-const STAYS = 0.12; // distance by which a box may leave the fitted one before the view follows, over its diagonal
-const TURNS = 1.15; // factor by which the view must lie more along another axis before that one faces the user
+const INITIAL_POLAR_ANGLE = 1.12; // initial angle from above [rad]
+const INITIAL_AZIMUTH = -0.62; // initial angle from the front [rad]
+const FILLED_SHARE = 0.88; // share of the view that a fitted box fills
+const FIT_ITERATIONS = 5; // number of iterations to fit a box
+const MAX_OVERHANG = 0.12; // distance by which a box may leave the fitted one before the view follows, over its diagonal
+const MIN_AXIS_RATIO = 1.15; // factor by which the view must lie more along another axis before that one faces the user
 
 export class Viewport {
   readonly scene = new Scene();
@@ -52,7 +52,7 @@ export class Viewport {
   constructor(readonly element: HTMLElement) {
     const software = drawnBySoftware();
     this.seldom = software && !this.always;
-    this.finest = software ? 1 : FINEST;
+    this.finest = software ? 1 : MAX_PIXEL_RATIO;
     this.renderer = new WebGLRenderer({ alpha: true, antialias: !software });
     this.renderer.setClearColor(0x000000, 0);
     this.canvas.tabIndex = 0;
@@ -86,10 +86,10 @@ export class Viewport {
     return (2 * Math.tan((FOV * Math.PI) / 360)) / this.size.y;
   }
 
-  /** Request a frame; with software rendering, no sooner than SELDOM after the last. */
+  /** Request a frame; with software rendering, no sooner than SOFTWARE_FRAME_INTERVAL after the last. */
   change(): void {
     if (this.timer || this.asked) return;
-    const wait = this.seldom ? this.last + SELDOM - performance.now() : 0;
+    const wait = this.seldom ? this.last + SOFTWARE_FRAME_INTERVAL - performance.now() : 0;
     if (wait > 0) this.timer = window.setTimeout(() => this.urge(), wait);
     else this.urge();
   }
@@ -121,13 +121,13 @@ export class Viewport {
   /** Fit a box [m], seen from the initial direction. */
   look(box: Box3): void {
     this.fitted.copy(box);
-    this.fit(box, POLAR, AZIMUTH);
+    this.fit(box, INITIAL_POLAR_ANGLE, INITIAL_AZIMUTH);
     this.untouched = true;
   }
 
   /** Keep the box [m] in view. If the user has changed the view, only move it with the box. */
   track(box: Box3): void {
-    const room = this.fitted.getSize(this.offset).length() * STAYS;
+    const room = this.fitted.getSize(this.offset).length() * MAX_OVERHANG;
     if (!this.fitted.isEmpty() && this.fitted.clone().expandByScalar(room).containsBox(box)) return;
     if (this.untouched) {
       this.look(box);
@@ -140,12 +140,12 @@ export class Viewport {
     this.urge();
   }
 
-  /** Return the axis along which the camera looks most; `last` unless another is clearly ahead (TURNS). */
+  /** Return the axis along which the camera looks most; `last` unless another is clearly ahead (MIN_AXIS_RATIO). */
   facing(last: "x" | "y" | "z"): "x" | "y" | "z" {
     const way = this.camera.position.clone().sub(this.controls.target);
     const size = { x: Math.abs(way.x), y: Math.abs(way.y), z: Math.abs(way.z) };
     const best = (["x", "y", "z"] as const).reduce((a, b) => (size[b] > size[a] ? b : a));
-    return size[best] > TURNS * size[last] ? best : last;
+    return size[best] > MIN_AXIS_RATIO * size[last] ? best : last;
   }
 
   /** Fit a box into the view, seen from the given direction [rad], or from the present one. */
@@ -154,7 +154,7 @@ export class Viewport {
     const { phi, theta } = this.spherical;
     box.getCenter(this.controls.target);
     let radius = 2 * box.min.distanceTo(box.max);
-    for (let round = 0; round < ROUNDS; round++) {
+    for (let round = 0; round < FIT_ITERATIONS; round++) {
       this.turn(polar ?? phi, azimuth ?? theta, radius);
       this.camera.updateMatrixWorld();
       this.flat.makeEmpty();
@@ -172,7 +172,7 @@ export class Viewport {
       const { target } = this.controls;
       target.addScaledVector(this.offset.setFromMatrixColumn(matrixWorld, 0), right);
       target.addScaledVector(this.offset.setFromMatrixColumn(matrixWorld, 1), up);
-      radius *= Math.max(max.x - min.x, max.y - min.y) / 2 / FILLED;
+      radius *= Math.max(max.x - min.x, max.y - min.y) / 2 / FILLED_SHARE;
     }
     this.turn(polar ?? phi, azimuth ?? theta, radius);
     this.untouched = false;
@@ -183,11 +183,11 @@ export class Viewport {
     this.fit(this.fitted.isEmpty() ? this.home : this.fitted, side === "z" ? 1e-3 : Math.PI / 2, side === "x" ? Math.PI / 2 : 0);
   }
 
-  /** Turn around the target by steps of STEP, and come nearer by a factor. */
+  /** Turn around the target by steps of KEY_ANGLE, and come nearer by a factor. */
   orbit(right: number, up: number, nearer = 1): void {
     this.current();
     const { phi, theta, radius } = this.spherical;
-    this.turn(phi - up * STEP, theta + right * STEP, radius / nearer);
+    this.turn(phi - up * KEY_ANGLE, theta + right * KEY_ANGLE, radius / nearer);
     this.untouched = false;
   }
 

@@ -23,7 +23,7 @@ SWING = 64  # steps of a lateral movement to either side
 
 
 class _Technique(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type"):
-    still: ClassVar[bool] = True
+    keeps_places: ClassVar[bool] = True
     """Whether all samples sound at their places, so that one solution serves all times."""
     single: ClassVar[bool] = False
     """Whether one sample sounds at a time."""
@@ -74,7 +74,7 @@ class STM(_Technique, frozen=True, tag="stm"):
     ArgumentError.
     """
 
-    still: ClassVar[bool] = False
+    keeps_places: ClassVar[bool] = False
     single: ClassVar[bool] = True
     frequency: float
     along: Literal["samples", "outline"] | Curve = "samples"
@@ -118,7 +118,7 @@ class LM(_Technique, frozen=True, tag="lm"):
     (IEEE Transactions on Haptics 13, 2020, 334-342).
     """
 
-    still: ClassVar[bool] = False
+    keeps_places: ClassVar[bool] = False
     frequency: float
     amplitude: float
     angle: float = 0.0

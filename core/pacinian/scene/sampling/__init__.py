@@ -15,7 +15,7 @@ Where
     small_region_spacing.py   closer samples for small regions
     textured_samples.py       samples on the outlines of a texture, and silent ones where it is 0
     silent_samples.py         silent samples beside touched regions, against spill of pressure
-    touched_skin.py           random places on touched skin and beside it, where the loop measures
+    touched_skin.py           `TouchedSkinObserver`: random places on touched skin and beside it, to measure at
     region_bands.py           parts of a large region that sound in turn
 How many, how strong
     sample_budget.py          divides the budget among objects by priority; coarsens spacing

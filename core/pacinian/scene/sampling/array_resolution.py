@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from pacinian.scene.objects import Object
     from pacinian.types import Floats
 
-LEVEL_RATIO = math.sqrt(2.0)  # ratio of the spacings of one level and the next finer one
+SPACING_RATIO = math.sqrt(2.0)  # ratio of a spacing to the next finer one
 MAX_SUBSET = 32  # number of transducers that represent the array for visibility
 # Mean cos^2 of the angle of incidence at which skin gets no pressure, or its full pressure (cosines 0.14 and 0.32).
 BLOCKED_COS2, FULL_PRESSURE_COS2 = 0.02, 0.1
@@ -85,8 +85,8 @@ class ArrayResolution:
                 resolved = across = 0.0
             # the resolution is infinite where only one transducer is heard
             finest = min(max(resolved, self.wavelength), MAX_LENGTH)
-            steps = math.log(finest / self.wavelength) / math.log(LEVEL_RATIO)
-            spacing = self.wavelength * LEVEL_RATIO ** round(steps)
+            steps = math.log(finest / self.wavelength) / math.log(SPACING_RATIO)
+            spacing = self.wavelength * SPACING_RATIO ** round(steps)
             elongation = across / resolved if 0.0 < resolved < math.inf else 1.0
             kept = self._cells[x, y, z] = spacing, resolved, elongation
         return kept

@@ -32,6 +32,13 @@ def is_gone(hand: Hand, t: float) -> bool:
     return hand.lost or (hand.time is not None and t - hand.time >= HOLD_TIME + LOST_HAND_FADE_TIME)
 
 
+def extrapolate_seen(hand: Hand, t: float) -> Hand:
+    """Return a hand at time t [s], extrapolated by its velocities for at most `HOLD_TIME` after it was measured."""
+    if hand.time is None or hand.velocities is None:
+        return hand
+    return hand.extrapolate(min(max(t - hand.time, 0.0), HOLD_TIME))
+
+
 class HandTrack:
     """Predicts one hand between updates. A lost or late hand is held in place, and then fades.
 
@@ -89,7 +96,7 @@ class HandTrack:
             or f * f * (d * d).sum(axis=1).max() < MAX_IGNORED_DISTANCE * MAX_IGNORED_DISTANCE
         ):
             return skin
-        return PosedSkin(self._extrapolate(self._last, t), skin.skin)
+        return PosedSkin(extrapolate_seen(self._last, t), skin.skin)
 
     def can_move(self, t: float) -> bool:
         """Return whether the hand may move or fade after time t [s] without an update."""
@@ -106,17 +113,12 @@ class HandTrack:
         self._last, self._offset = hand, None
         if was is None or was.carriers.shape != hand.carriers.shape:
             return
-        d = was.carriers - self._extrapolate(hand, t).carriers
+        d = was.carriers - extrapolate_seen(hand, t).carriers
         if float((d * d).sum(axis=1).max()) <= MAX_BLENDED_ERROR * MAX_BLENDED_ERROR and d.any():
             self._offset, self._since = d, t
 
-    def _extrapolate(self, hand: Hand, t: float) -> Hand:
-        if hand.time is None or hand.velocities is None:
-            return hand
-        return hand.extrapolate(min(max(t - hand.time, 0.0), HOLD_TIME))
-
     def _blend_hand(self, hand: Hand, t: float) -> Hand:
-        now = self._extrapolate(hand, t)
+        now = extrapolate_seen(hand, t)
         f = compute_blend_factor(self._since, t)
         if self._offset is None or f <= 0.0:
             self._offset = None

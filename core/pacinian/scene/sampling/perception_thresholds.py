@@ -67,6 +67,6 @@ def lowest_threshold(envelope: object) -> float:
 
 def find_vibration(item: Object) -> object:
     """Return the envelope or technique that sets the frequency at which an object is felt; None if neither does."""
-    if not item.technique.still:
+    if not item.technique.keeps_places:
         return None
     return item.technique if isinstance(item.technique, AM) else item.envelope

@@ -226,3 +226,8 @@ class PosedSkin:
             area += more[nodes]
         most = (force / np.maximum(self.area[touched], MIN_AREA)).max(initial=0.0)
         return nodes, np.minimum(kept, MAX_CROWDING * most * area), area
+
+
+def join_capsules(skins: list[PosedSkin]) -> Floats:
+    """Return the capsules of all skins, (C, 8) [m]."""
+    return np.concatenate([np.empty((0, 8)), *(skin.capsules for skin in skins)])

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from pacinian.errors import ArgumentError
-from pacinian.scene.sampling.array_resolution import LEVEL_RATIO
+from pacinian.scene.sampling.array_resolution import SPACING_RATIO
 from pacinian.scene.sampling.region_bands import MIN_DIVIDED_SAMPLES, WIDER
 from pacinian.scene.sampling.sample_cache import estimate_samples
 from pacinian.scene.sampling.sample_counts import (
@@ -38,16 +38,16 @@ if TYPE_CHECKING:
 class Allowance(NamedTuple):
     """How many samples a frame may have, relative to the budget, and when regions are divided into bands.
 
-    shares: at level 0, 1, 2 and so on; the last one holds for coarser levels, too. divided_from: level from which
-    regions are divided into bands.
+    shares: at coarseness 0, 1, 2 and so on; the last one holds for larger ones, too. divided_from: coarseness from
+    which regions are divided into bands.
     """
 
     shares: tuple[float, ...]
     divided_from: int
 
-    def find_limit(self, budget: int, level: int) -> int:
-        """Return the largest number of samples of a frame at a level."""
-        return max(1, round(self.shares[min(level, len(self.shares) - 1)] * budget))
+    def find_limit(self, budget: int, coarseness: int) -> int:
+        """Return the largest number of samples of a frame at a `coarseness`."""
+        return max(1, round(self.shares[min(coarseness, len(self.shares) - 1)] * budget))
 
 
 PLAIN = Allowance((1.0,), 1)  # points, and several objects in free air
@@ -59,11 +59,11 @@ FINE_ON_SKIN = Allowance((1.5,), 1)
 # One object in free air: its field can be steered, so its solves may take longer.
 ALONE = Allowance((1.0, 1.6, 2.0), 2)
 FINER = 1.3  # the spacing gets finer again only if this many times the samples would fit
-MAX_LEVEL = 40  # largest level, in steps of sqrt(2) of the spacing
+MAX_COARSENESS = 40  # largest coarseness: the spacing is enlarged by SPACING_RATIO to this power
 MAX_ESTIMATE_RATIO = 2.0  # samples are not made where an estimate of their number is beyond this many times the budget
 
 
-class LevelSamples(NamedTuple):
+class SourceSamples(NamedTuple):
     """Samples of one source. faint, outside: samples left out because of perception, and of the workspace."""
 
     samples: Samples
@@ -79,61 +79,78 @@ class LevelSamples(NamedTuple):
 def allot_budget(
     sources: list[tuple[SampleSource, float]],
     budget: int,
-    levels: dict[int, int],
+    coarseness: dict[int, int],
     cut: Cut,
     counts: SampleCounts,
     bands: int = 1,
     full: int = 0,
     *,
     allowance: Allowance = PLAIN,
-    strict: bool = False,
 ) -> list[Samples]:
     """Return samples of each source, at most as many simultaneous samples in all as the `allowance` says.
 
     sources: with their intended spacings [m], highest priority first. The sources of one priority are made coarser
     together until they fit into the budget that the higher priorities leave. If a source still does not fit, its
     weakest samples are dropped (of equals, the last), and so are all sources after it. Samples that sound one at a
-    time count as one. levels: coarseness of each priority; it is kept from tick to tick to prevent flicker. cut: drops
-    samples that must not sound. bands: maximum number of bands, which sound in turn, per region. Regions become
-    coarser before they are divided, because the pressure between their samples is still even then.
+    time count as one. coarseness: of each priority: by how many steps its spacings are enlarged. It is kept from tick
+    to tick to prevent flicker. cut: drops samples that must not sound. bands: maximum number of bands, which sound in
+    turn, per region. Regions become coarser before they are divided, because the pressure between their samples is
+    still even then.
 
     counts: gets what each object asks for, and what is left out. full: the budget if there were time; `budget` may
-    be less. strict: raise ArgumentError, which names the object, instead of leaving anything out.
+    be less.
     """
     parts: list[Samples] = []
     used, full = 0, max(budget, full)
     for priority, members in itertools.groupby(sources, key=lambda s: s[0].item.priority):
-        group = _PriorityGroup(list(members), budget, used, cut, bands, allowance)
-        if strict:
-            group.check_estimate()
-            made, level = group.make(0), 0
-        else:
-            made, level = group.fit(levels.get(priority, 0))
-        levels[priority] = level
-        left = group.find_limit(level)
-        parallel = bands if strict else group.count_bands(level)
+        group = _SourceGroup(list(members), budget, used, cut, bands, allowance)
+        made, own = group.fit(coarseness.get(priority, 0))
+        coarseness[priority] = own
+        left, parallel = group.find_limit(own), group.count_bands(own)
         for (source, spacing), one in zip(group.members, made, strict=True):
             samples = one.samples
             count = _count_simultaneous(source, samples, parallel)
-            if strict and count > left:
-                raise _too_many(source, count, left)
             kept = samples if count <= left else _strongest(samples, left)
             asked = one.asked
-            if level and not is_sequential(source.item):
+            if own and not is_sequential(source.item):
                 asked = _count_asked(source, spacing, cut, MAX_ESTIMATE_RATIO * full * bands)
-            counts.ask(source.index, asked)
-            counts.note(COARSENED, source.index, asked - one.asked)
-            counts.note(FAINT, source.index, one.faint)
-            counts.note(OUTSIDE, source.index, one.outside)
+            _note_samples(counts, source, one, asked)
             counts.note(OVER_BUDGET, source.index, count_pressing(samples) - count_pressing(kept))
             left, used = left - min(count, left), used + min(count, left)
             parts.append(kept)
     return parts
 
 
+def make_all_samples(
+    sources: list[tuple[SampleSource, float]],
+    budget: int,
+    cut: Cut,
+    counts: SampleCounts,
+    bands: int = 1,
+    *,
+    allowance: Allowance = PLAIN,
+) -> list[Samples]:
+    """Return all samples of each source, at the intended spacings; arguments as for `allot_budget`.
+
+    Raises ArgumentError, which names the first object that exceeds what the `allowance` leaves.
+    """
+    group = _SourceGroup(sources, budget, 0, cut, bands, allowance)
+    left = group.find_limit(0)
+    group.check_estimate()
+    parts: list[Samples] = []
+    for (source, _), one in zip(sources, group.make(0), strict=True):
+        count = _count_simultaneous(source, one.samples, bands)
+        if count > left:
+            raise group.too_many(source, count, left)
+        _note_samples(counts, source, one, one.asked)
+        left -= count
+        parts.append(one.samples)
+    return parts
+
+
 @dataclass
-class _PriorityGroup:
-    """The sources of one priority, with their intended spacings [m].
+class _SourceGroup:
+    """Sources that are made coarser together, with their intended spacings [m].
 
     budget, cut, bands, allowance: those of `allot_budget`. used: number of samples of higher priorities.
     """
@@ -145,33 +162,34 @@ class _PriorityGroup:
     bands: int
     allowance: Allowance
 
-    def find_limit(self, level: int) -> int:
-        """Return the largest number of samples at `level`."""
-        return max(0, self.allowance.find_limit(self.budget, level) - self.used)
+    def find_limit(self, coarseness: int) -> int:
+        """Return the largest number of samples at `coarseness`."""
+        return max(0, self.allowance.find_limit(self.budget, coarseness) - self.used)
 
-    def count_bands(self, level: int) -> int:
-        """Return the largest number of bands of a region at `level`."""
-        return self.bands if level >= self.allowance.divided_from else 1
+    def count_bands(self, coarseness: int) -> int:
+        """Return the largest number of bands of a region at `coarseness`."""
+        return self.bands if coarseness >= self.allowance.divided_from else 1
 
-    def fit(self, level: int) -> tuple[list[LevelSamples], int]:
-        """Return the samples, and the level at which they fit into the budget. level: that of the last tick."""
-        while self._exceeds_limit(level) and self._can_coarsen(level):
-            level += 1
-        made = self.make(level)
-        count, below = self._count(made, level), level - 1
-        if level and count * FINER <= self.find_limit(below) and not self._exceeds_limit(below):
+    def fit(self, coarseness: int) -> tuple[list[SourceSamples], int]:
+        """Return the samples, and the coarseness at which they fit the budget. coarseness: that of the last tick."""
+        while self._exceeds_limit(coarseness) and self._can_coarsen(coarseness):
+            coarseness += 1
+        made = self.make(coarseness)
+        count, below = self._count(made, coarseness), coarseness - 1
+        fits_below = coarseness > 0 and count * FINER <= self.find_limit(below)
+        if fits_below and not self._exceeds_limit(below):
             finer = self.make(below)
             if FINER * self._count(finer, below) <= self.find_limit(below):
                 return finer, below
-        while count > self.find_limit(level) and self._can_coarsen(level):
-            level += 1
-            made = self.make(level)
-            count = self._count(made, level)
-        return made, level
+        while count > self.find_limit(coarseness) and self._can_coarsen(coarseness):
+            coarseness += 1
+            made = self.make(coarseness)
+            count = self._count(made, coarseness)
+        return made, coarseness
 
-    def make(self, level: int) -> list[LevelSamples]:
-        """Return the samples of each source at `level`."""
-        ratio = LEVEL_RATIO**level
+    def make(self, coarseness: int) -> list[SourceSamples]:
+        """Return the samples of each source at `coarseness`."""
+        ratio = SPACING_RATIO**coarseness
         return [
             _make(source, spacing if is_sequential(source.item) else spacing * ratio, self.cut)
             for source, spacing in self.members
@@ -185,28 +203,38 @@ class _PriorityGroup:
                 ((_estimate_whole([member], 0), member[0]) for member in self.members),
                 key=lambda c: c[0],
             )
-            raise _too_many(source, round(count), left)
+            raise self.too_many(source, round(count), left)
 
-    def _count(self, made: list[LevelSamples], level: int) -> int:
-        """Return the smallest number of simultaneous samples: in one band or, at a coarse `level`, in several."""
+    def too_many(self, source: SampleSource, count: int, left: int) -> ArgumentError:
+        """Return the error for a source of `count` samples at once where the budget leaves fewer."""
+        label, share = label_object(source.item, source.index), self.allowance.shares[0]
+        return ArgumentError(
+            "scene",
+            f"has an object that cannot be rendered in full: {label!r} needs {count} samples at once, and the budget "
+            f"leaves {left}; raise `Sampler(budget=...)`, of which this scene may use {share:.0%}, or make the object "
+            "smaller",
+        )
+
+    def _count(self, made: list[SourceSamples], coarseness: int) -> int:
+        """Return the smallest number of simultaneous samples: in one band or, where regions are divided, in several."""
         return min(
             sum(
                 _count_simultaneous(source, one.samples, bands)
                 for (source, _), one in zip(self.members, made, strict=True)
             )
-            for bands in {1, self.count_bands(level)}
+            for bands in {1, self.count_bands(coarseness)}
         )
 
-    def _can_coarsen(self, level: int) -> bool:
-        """Return whether a coarser level than `level` still reduces the samples."""
+    def _can_coarsen(self, coarseness: int) -> bool:
+        """Return whether a larger `coarseness` still reduces the samples."""
         reach = max(source.item.bounding_radius for source, _ in self.members)
         finest = min(spacing for _, spacing in self.members)
-        return finest * LEVEL_RATIO**level < 2.0 * reach and level < MAX_LEVEL
+        return finest * SPACING_RATIO**coarseness < 2.0 * reach and coarseness < MAX_COARSENESS
 
-    def _exceeds_limit(self, level: int) -> bool:
-        """Return whether `level` clearly gives too many samples, judged by an estimate."""
-        most = MAX_ESTIMATE_RATIO * self.find_limit(level) * self.count_bands(level)
-        return _estimate_whole(self.members, level) > most
+    def _exceeds_limit(self, coarseness: int) -> bool:
+        """Return whether `coarseness` clearly gives too many samples, judged by an estimate."""
+        most = MAX_ESTIMATE_RATIO * self.find_limit(coarseness) * self.count_bands(coarseness)
+        return _estimate_whole(self.members, coarseness) > most
 
 
 def count_pressing(samples: Samples) -> int:
@@ -214,11 +242,11 @@ def count_pressing(samples: Samples) -> int:
     return int(np.count_nonzero(samples.radiation_pressure))
 
 
-def _make(source: SampleSource, spacing: float, cut: Cut) -> LevelSamples:
+def _make(source: SampleSource, spacing: float, cut: Cut) -> SourceSamples:
     samples = source.at(spacing)
     inside = cut(samples)
     outside = 0 if inside is samples else count_pressing(samples) - count_pressing(inside)
-    return LevelSamples(inside, source.faint, outside)
+    return SourceSamples(inside, source.faint, outside)
 
 
 def _count_asked(source: SampleSource, spacing: float, cut: Cut, most: float) -> int:
@@ -232,14 +260,14 @@ def _count_asked(source: SampleSource, spacing: float, cut: Cut, most: float) ->
     return _make(source, spacing, cut).asked
 
 
-def _too_many(source: SampleSource, count: int, left: int) -> ArgumentError:
-    label = label_object(source.item, source.index)
-    return ArgumentError(
-        "scene",
-        f"has an object that cannot be rendered in full: {label!r} needs {count} samples at once, and the budget "
-        f"leaves {left}; raise `Sampler(budget=...)`, of which contacts with hands use {ON_SKIN.shares[0]:.0%}, or "
-        "make the object smaller",
-    )
+def _note_samples(
+    counts: SampleCounts, source: SampleSource, made: SourceSamples, asked: int
+) -> None:
+    """Note how many samples an object asks for, and why fewer are made."""
+    counts.ask(source.index, asked)
+    counts.note(COARSENED, source.index, asked - made.asked)
+    counts.note(FAINT, source.index, made.faint)
+    counts.note(OUTSIDE, source.index, made.outside)
 
 
 def _count_simultaneous(source: SampleSource, samples: Samples, bands: int) -> int:
@@ -255,10 +283,10 @@ def _strongest(samples: Samples, count: int) -> Samples:
     return samples.only(np.sort(np.argsort(-force, kind="stable")[:count]))
 
 
-def _estimate_whole(members: list[tuple[SampleSource, float]], level: int) -> float:
+def _estimate_whole(members: list[tuple[SampleSource, float]], coarseness: int) -> float:
     """Estimate the number of samples of the sources that are rendered whole."""
     return sum(
-        estimate_samples(source.item, spacing * LEVEL_RATIO**level)
+        estimate_samples(source.item, spacing * SPACING_RATIO**coarseness)
         for source, spacing in members
         if isinstance(source, WholeObject) and not is_sequential(source.item)
     )

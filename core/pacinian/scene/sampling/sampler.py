@@ -7,13 +7,11 @@ from collections import Counter
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
-import numpy as np
-
 from pacinian.argument_checks import check_integer, check_length, check_number
 from pacinian.scene.config_sections import DEFAULT_BUDGET, MIN_SAMPLE_SPACING
 from pacinian.scene.objects import Body, Point, Surface, Volume
 from pacinian.scene.sampling.array_resolution import ArrayResolution
-from pacinian.scene.sampling.contact import Contact, find_contact
+from pacinian.scene.sampling.contact import find_contact
 from pacinian.scene.sampling.culling_boxes import CullingBoxes, cull, cut
 from pacinian.scene.sampling.distance_cache import DistanceCache
 from pacinian.scene.sampling.focal_pressure import spread_forces
@@ -21,6 +19,7 @@ from pacinian.scene.sampling.hand_tracking import HandTrack
 from pacinian.scene.sampling.merge_samples import merge_samples
 from pacinian.scene.sampling.perception_thresholds import find_vibration, lowest_threshold
 from pacinian.scene.sampling.pose_prediction import PosePredictor
+from pacinian.scene.sampling.posed_skin import join_capsules
 from pacinian.scene.sampling.ramps import PressureRamps
 from pacinian.scene.sampling.sample_budget import (
     ALONE,
@@ -29,6 +28,7 @@ from pacinian.scene.sampling.sample_budget import (
     PLAIN,
     Allowance,
     allot_budget,
+    make_all_samples,
 )
 from pacinian.scene.sampling.sample_cache import SampleCache
 from pacinian.scene.sampling.sample_counts import (
@@ -63,7 +63,6 @@ from pacinian.scene.sampling.spacing import (
     compute_spacing,
     space_contacts,
 )
-from pacinian.scene.sampling.touched_skin import scatter_places, stays_on_skin
 from pacinian.scene.sampling.unsampled_objects import is_silent, note_outside, note_unseen
 from pacinian.skip_reasons import (
     AWAY_FROM_HANDS,
@@ -86,7 +85,6 @@ if TYPE_CHECKING:
     from pacinian.scene.sampling.posed_skin import PosedSkin
     from pacinian.scene.sampling.samples import Samples
     from pacinian.scene.scene import Scene
-    from pacinian.types import Floats
 
 COUNTED = {
     COARSENED: COARSENED_SAMPLES,
@@ -96,7 +94,6 @@ COUNTED = {
     PRESSURE_LIMITED: FORCES_LIMITED,
 }
 """Reasons of `Sampler.skipped`, by those of the sample counts."""
-MAX_SCATTERED = 8  # largest number of objects whose contacts are measured at a time
 
 
 class SamplingMode(NamedTuple):
@@ -123,8 +120,8 @@ class Sampler:
 
     Because of this state, samples stay fixed to their object or to the skin, and their pressures ramp up and down.
 
-    budget: maximum number of samples. Surfaces and volumes that meet hands use four fifths of it, because contacts take
-    more time, or 1.2 times it if their spacing is coarser than intended. One of them alone in free air may use up to
+    budget: maximum number of samples. Surfaces and volumes that meet hands may use 1.5 times it; without `mode.fine`,
+    0.8 times it, or 1.2 times it if their spacing is coarser than intended. One of them alone in free air may use up to
     twice as many, if `mode.steers` is set. If a scene has more, the sampler samples the objects of lowest priority more
     coarsely, and then drops them. spacing: between samples [m]. The default is one wavelength, or the resolution of the
     array where that is coarser. The samples of surfaces and volumes form regions: these use 0.35 times the default, or
@@ -174,12 +171,11 @@ class Sampler:
         self._target = no_samples()
         # Hands of the last call, and its time [s].
         self._present: tuple[list[PosedSkin], float] = [], 0.0
-        self._rng = np.random.default_rng(0)
         self.frame_budget = self.budget
         """Maximum number of samples in one frame at the last call of `sample`."""
         self.sample_counts = SampleCounts()
         """What each object asked for at the last call of `sample`, and what was left out, before ramps."""
-        self._levels: dict[int, int] = {}
+        self._coarseness: dict[int, int] = {}  # by priority
         self._wanted: dict[int, float] = {}  # last spacing of each contact [m]
         self._still, self._ahead = False, 0.0
         self._boxes = CullingBoxes(None if self._resolving is None else self._resolving.centre)
@@ -219,27 +215,6 @@ class Sampler:
         hands, t = self._present
         return tuple(self._hands[hand.hand.name].pose_seen(hand, t) for hand in hands)
 
-    def scatter_places(self, scene: Scene, t: float, count: int) -> Samples:
-        """Return random places on touched skin and beside it at time t [s], as `touched_skin.scatter_places` describes.
-
-        Hands and objects are where the scene puts them, without the blending of updates, and pressures have no ramps.
-        Objects whose technique moves their samples are left out; of many objects, a random selection is used. count: of
-        places, roughly. Discards the tracked hands and poses, so call it on a separate sampler, without perception.
-        """
-        self._tracks, self._hands = PosePredictor(), {}
-        hands = self._track_hands(scene, t, SampleCounts(scene.objects))
-        if not hands or self._resolving is None:
-            return no_samples()
-        skins = [hand for hand, _ in hands]
-        near = cull(scene.bounds, t, self._boxes.find(scene, skins)).tolist()
-        found = [i for i in near if stays_on_skin(scene.objects[i])]
-        if len(found) > MAX_SCATTERED:
-            found = self._rng.choice(found, MAX_SCATTERED, replace=False).tolist()
-        sources = self._find_sources(scene, t, found, hands)
-        contacts = [source for source, _ in sources if isinstance(source, Contact)]
-        places = scatter_places(contacts, count, self._resolving.corners, self._rng)
-        return cut(scene.workspace, places.changed(capsules=_join_capsules(skins)))
-
     def _sample(self, scene: Scene, t: float) -> Samples:
         """Return the target samples at time t [s], before the ramps."""
         counts = self.sample_counts = SampleCounts(scene.objects)
@@ -254,7 +229,7 @@ class Sampler:
         hands = self._track_hands(scene, t, counts)
         skins = [hand for hand, _ in hands]
         self._present = skins, t
-        capsules = _join_capsules(skins) if scene.hands else None
+        capsules = join_capsules(skins) if scene.hands else None
         near = self._find_near(scene, t, skins, counts)
         sources = self._find_sources(scene, t, near, hands)
         self._note_unresolved(sources, counts)
@@ -271,10 +246,16 @@ class Sampler:
         budget = self.budget if solid else min(self.budget, self.allowed)
         allowance = self._choose_allowance(sources, solid=solid, skin=bool(scene.hands))
         self.frame_budget = allowance.find_limit(budget, len(allowance.shares) - 1)
-        parts = allot_budget(
-            sources, budget, self._levels, partial(cut, scene.workspace), counts, mode.bands,
-            self.budget, allowance=allowance, strict=mode.strict,
-        )  # fmt: skip
+        cut_off = partial(cut, scene.workspace)
+        if mode.strict:
+            parts = make_all_samples(
+                sources, budget, cut_off, counts, mode.bands, allowance=allowance
+            )
+        else:
+            parts = allot_budget(
+                sources, budget, self._coarseness, cut_off, counts, mode.bands, self.budget,
+                allowance=allowance,
+            )  # fmt: skip
         items = [source.item for source, _ in sources]
         samples = merge_samples(parts, items, self.spacing, counts, strict=mode.strict)
         if resolving is not None:
@@ -313,7 +294,7 @@ class Sampler:
         if skin:
             return FINE_ON_SKIN if mode.fine else ON_SKIN
         alone = mode.steers and not mode.strict and len(sources) == 1
-        return ALONE if alone and sources[0][0].item.technique.still else PLAIN
+        return ALONE if alone and sources[0][0].item.technique.keeps_places else PLAIN
 
     def _track_hands(
         self, scene: Scene, t: float, counts: SampleCounts
@@ -407,8 +388,3 @@ class Sampler:
         """Return the spacing of an object's samples at `place` [m]."""
         own = self.spacing
         return compute_spacing(item, place, self._resolving) if own is None else own
-
-
-def _join_capsules(skins: list[PosedSkin]) -> Floats:
-    """Return the capsules of all hands, (C, 8) [m]."""
-    return np.concatenate([np.empty((0, 8)), *(skin.capsules for skin in skins)])

@@ -55,8 +55,9 @@ def add_surround(
     """Add evenly spread silent samples on the skin beside the regions that touch it.
 
     centre: of the array, (3,) [m]; skin that faces away from it gets none. resolved: resolution of the array there [m].
-    elongation: of the array's foci there. most: limit of the number of silent samples. surround: a further limit, or 48
-    if that is more, and how far away they may be, unless foci are elongated.
+    elongation: of the array's foci there. most: limit of the number of silent samples. surround: their largest
+    distance, and their largest share of the pressing samples; 48 are always allowed. Elongated foci add a ring farther
+    out.
     """
     of = np.flatnonzero((samples.regions >= 0) & (samples.radiation_pressure > 0.0))
     elongated = elongation >= MIN_ELONGATION

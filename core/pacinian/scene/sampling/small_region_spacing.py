@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from pacinian.scene.objects import Volume
-from pacinian.scene.sampling.array_resolution import LEVEL_RATIO
+from pacinian.scene.sampling.array_resolution import SPACING_RATIO
 from pacinian.scene.sampling.sample_cache import estimate_samples
 from pacinian.scene.sampling.sample_sources import forms_region, is_sequential
 
@@ -46,5 +46,5 @@ def _finer(source: SampleSource, spacing: float, few: int) -> float:
         return spacing
     dimensions = 3.0 if isinstance(item, Volume) and item.felt == "interior" else 2.0
     share = (estimate_samples(item, spacing) / few) ** (1.0 / dimensions)
-    steps = round(math.log(share) / math.log(LEVEL_RATIO))
-    return spacing * LEVEL_RATIO ** min(0, max(-MAX_STEPS, steps))
+    steps = round(math.log(share) / math.log(SPACING_RATIO))
+    return spacing * SPACING_RATIO ** min(0, max(-MAX_STEPS, steps))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, NamedTuple
 
-from pacinian.scene.sampling.array_resolution import LEVEL_RATIO
+from pacinian.scene.sampling.array_resolution import SPACING_RATIO
 from pacinian.scene.sampling.contact import Contact
 from pacinian.scene.sampling.sample_sources import forms_region
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 SPACING_WITHOUT_ARRAY = 0.0085  # spacing before an array is known [m]
 # Spacing within a region, relative to the resolution. Above it, the pressure between samples is uneven.
-REGION_SPACING = 0.5 / LEVEL_RATIO
+REGION_SPACING = 0.5 / SPACING_RATIO
 # Largest spacing within a contact, relative to the resolution. The pressure of a contact falls to 0 at its rim.
 MAX_CONTACT_SPACING = 0.3
 # a contact keeps its spacing if the spacing would change by less than this factor

@@ -9,19 +9,30 @@ import numpy as np
 from pacinian.neighbours import find_nearest
 from pacinian.region_numbers import BESIDE
 from pacinian.scene.hands.skin_lod import FINEST_SKIN_SPACING
+from pacinian.scene.objects import Surface, Volume
+from pacinian.scene.sampling.array_resolution import ArrayResolution
+from pacinian.scene.sampling.contact import Contact, find_contact
+from pacinian.scene.sampling.culling_boxes import CullingBoxes, cull, cut
+from pacinian.scene.sampling.distance_cache import DistanceCache
+from pacinian.scene.sampling.hand_tracking import HandTrack
+from pacinian.scene.sampling.pose_prediction import PosePredictor
+from pacinian.scene.sampling.posed_skin import PosedSkin, join_capsules
+from pacinian.scene.sampling.sample_keys import number_contact, number_object
 from pacinian.scene.sampling.sample_sources import forms_region
 from pacinian.scene.sampling.samples import Samples, join_samples, no_samples
+from pacinian.scene.sampling.unsampled_objects import is_silent
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.random import Generator
 
+    from pacinian.acoustics.air import Air
+    from pacinian.acoustics.array import Array
+    from pacinian.scene.hands.skin import Skin
     from pacinian.scene.haptic_object import HapticObject
-    from pacinian.scene.sampling.contact import Contact
-    from pacinian.scene.sampling.posed_skin import PosedSkin
+    from pacinian.scene.scene import Scene
     from pacinian.types import Floats
 
+MAX_OBJECTS = 8  # largest number of objects whose contacts are measured at a time
 TRIED = 3  # number of candidates of a contact that are tried for each place
 MIN_PLACES = 8  # smallest number of places on one contact
 # Distance by which touched skin extends beyond its outermost points, roughly [m].
@@ -31,33 +42,83 @@ MARGIN = FINEST_SKIN_SPACING / 4.0
 INNER, CLOSE, OUTER = 3e-3 + MARGIN, 10e-3, 30e-3
 
 
-def scatter_places(
-    contacts: Sequence[Contact], count: int, corners: Floats, rng: Generator
-) -> Samples:
-    """Return random places on the touched skin, with the pressures that the materials ask for there.
+class TouchedSkinObserver:
+    """Finds random places on touched skin and beside it.
 
-    These places cover the whole touched skin evenly, also its rim. They are not those of samples. Where several
-    contacts press on the same skin, they ask for the mean of their pressures. Other places lie 3 to 30 mm beside the
-    touched skin. Their pressure is 0 and their region -2.
-
-    count: of the places on all contacts, roughly. At most as many lie close beside the contacts of each hand, and as
-    many farther away. corners: of the array, (V, 3) [m]; the places beside a contact face one of them.
+    Hands and objects are where the scene puts them, without the blending of updates, and pressures have no ramps.
     """
-    total = sum(one.extent for one in contacts)
-    found = list[Samples]()
-    for one in contacts:
-        sharing = [other for other in contacts if _share_skin(one, other)]
-        wanted = max(MIN_PLACES, round(count * one.extent / total))
-        found.append(_scatter_within(one, sharing, wanted, rng))
-    for hand in {id(one.hand): one.hand for one in contacts}.values():
-        touching = [one for one in contacts if one.hand is hand]
-        found.append(_scatter_beside(hand, touching, count, corners, rng))
-    return join_samples(found) if found else no_samples()
+
+    def __init__(self, array: Array, medium: Air) -> None:
+        self.skin: Skin | None = None
+        """Replaces the default skin of hands made of joints."""
+        self._resolution = ArrayResolution(array, medium)
+        self._boxes = CullingBoxes(self._resolution.centre)
+        self._distances = DistanceCache()
+        self._rng = np.random.default_rng(0)
+
+    def scatter_places(self, scene: Scene, t: float, count: int) -> Samples:
+        """Return random places at time t [s], with the pressures that the materials ask for there.
+
+        The places cover the whole touched skin evenly, also its rim. They are not those of samples. Where several
+        contacts press on the same skin, they ask for the mean of their pressures. Other places lie 3 to 30 mm beside
+        the touched skin. Their pressure is 0 and their region -2. Objects whose technique moves their samples are left
+        out; of many objects, a random selection is used.
+
+        count: of the places on all contacts, roughly. At most as many lie close beside the contacts of each hand, and
+        as many farther away; those face the array.
+        """
+        skins, contacts = self._find_contacts(scene, t)
+        total = sum(one.extent for one in contacts)
+        found = list[Samples]()
+        for one in contacts:
+            sharing = [other for other in contacts if _share_skin(one, other)]
+            wanted = max(MIN_PLACES, round(count * one.extent / total))
+            found.append(_scatter_within(one, sharing, wanted, self._rng))
+        for hand in {id(one.hand): one.hand for one in contacts}.values():
+            touching = [one for one in contacts if one.hand is hand]
+            corners = self._resolution.corners
+            found.append(_scatter_beside(hand, touching, count, corners, self._rng))
+        if not found:
+            return no_samples()
+        return cut(scene.workspace, join_samples(found).changed(capsules=join_capsules(skins)))
+
+    def _find_contacts(self, scene: Scene, t: float) -> tuple[list[PosedSkin], list[Contact]]:
+        """Return the skins of the hands that are present, and the contacts with them, highest priority first."""
+        skins, shares = list[PosedSkin](), list[float]()
+        for hand in scene.hands:
+            track = HandTrack(self.skin)
+            now, share = track.update(hand, t)
+            if now is not None:
+                skins.append(track.pose_skin(now))
+                shares.append(share)
+        if not skins:
+            return [], []
+        objects = scene.objects
+        near: list[int] = cull(scene.bounds, t, self._boxes.find(scene, skins)).tolist()
+        near = [i for i in near if stays_on_skin(objects[i])]
+        if len(near) > MAX_OBJECTS:
+            near = self._rng.choice(near, MAX_OBJECTS, replace=False).tolist()
+        near.sort(key=lambda i: -objects[i].priority)
+        poses, contacts = PosePredictor(), list[Contact]()
+        for i in near:
+            item = objects[i]
+            if is_silent(item):
+                continue
+            assert isinstance(item, (Surface, Volume))
+            pose, number = poses.pose(item, t), number_object(item, i)
+            for skin, share in zip(skins, shares, strict=True):
+                contact = find_contact(
+                    item, pose, i, number_contact(number, skin), skin, objects, share, 0.0,
+                    self._resolution, self._distances,
+                )  # fmt: skip
+                if contact is not None:
+                    contacts.append(contact)
+        return skins, contacts
 
 
 def stays_on_skin(item: HapticObject) -> bool:
     """Return whether an object presses as a region where it touches skin, and no technique moves it away."""
-    return forms_region(item) and item.technique.still
+    return forms_region(item) and item.technique.keeps_places
 
 
 def _share_skin(one: Contact, other: Contact) -> bool:

@@ -2,7 +2,7 @@
 
 process.py            begins here: receives, and reports
 dispatcher.py         authorises, decodes and carries out each message; answers it, also if it is malformed
-admission.py          which messages are let in: session, sequence number, age, rate ("busy" if a client sends too many)
+message_admission.py  which messages are let in: session, sequence number, age; the rate: ipc/rate_limit.py
 coalescing.py         of messages received together, only the newest hands and moves
 shared_scene.py       objects, hands and quiet zones of all clients; enforces limits of size and number: of objects
                       (settings.py), of zones (wire/protocol.py)

@@ -10,7 +10,7 @@ from pacinian.serving.bus.stored_object import MAX_CONVERTED_AT_ONCE
 from pacinian.serving.ipc.messages import Changes, PutObject, RemoveObject, ResetScene, SetEnvelope
 
 if TYPE_CHECKING:
-    from pacinian.serving.bus.admission import BusSession
+    from pacinian.serving.bus.message_admission import BusSession
     from pacinian.serving.bus.shared_scene import SharedScene
     from pacinian.serving.ipc.messages import AnyChange, ChangesAck
     from pacinian.wire.replies import Error

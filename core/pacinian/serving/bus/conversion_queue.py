@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from concurrent.futures import Executor, Future
 
-    from pacinian.serving.bus.admission import BusSession
+    from pacinian.serving.bus.message_admission import BusSession
     from pacinian.serving.bus.stored_object import StoredObject
     from pacinian.wire.modulation import Envelope
     from pacinian.wire.replies import Reply

@@ -7,15 +7,16 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from pacinian.errors import WireError
-from pacinian.serving.bus.admission import BusSession, PeerRateLimiter
 from pacinian.serving.bus.change_batcher import ChangeBatcher
 from pacinian.serving.bus.coalescing import coalesce
 from pacinian.serving.bus.conversion_queue import Converter
 from pacinian.serving.bus.field_queries import FieldQueries
+from pacinian.serving.bus.message_admission import BusSession
 from pacinian.serving.bus.scene_snapshot import make_snapshot
 from pacinian.serving.bus.shared_scene import CommandRejected, SharedScene
 from pacinian.serving.bus.stored_object import make_error_reply
 from pacinian.serving.ipc.messages import BusStatus
+from pacinian.serving.ipc.rate_limit import PeerRateLimiter
 from pacinian.wire.codec import decode_command, id_of
 from pacinian.wire.commands import (
     Clear,

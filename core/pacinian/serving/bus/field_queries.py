@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
     from pacinian.plugins.backend import Capability
-    from pacinian.serving.bus.admission import BusSession
+    from pacinian.serving.bus.message_admission import BusSession
     from pacinian.serving.ipc.messages import DeviceStatus
     from pacinian.types import Floats, Gains
     from pacinian.wire.commands import Field

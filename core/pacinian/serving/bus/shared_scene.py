@@ -29,8 +29,8 @@ from pacinian.wire.protocol import MAX_ZONES
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from pacinian.serving.bus.admission import BusSession
     from pacinian.serving.bus.conversion_queue import Converter
+    from pacinian.serving.bus.message_admission import BusSession
     from pacinian.serving.ipc.messages import SetHands
     from pacinian.serving.settings import Settings
     from pacinian.wire.commands import Envelopes, Hands, Move, Put, Zone

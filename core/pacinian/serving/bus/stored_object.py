@@ -27,7 +27,7 @@ from pacinian.wire.shapes import (
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from pacinian.serving.bus.admission import BusSession
+    from pacinian.serving.bus.message_admission import BusSession
     from pacinian.wire.commands import Move
     from pacinian.wire.objects import Object
     from pacinian.wire.replies import Code

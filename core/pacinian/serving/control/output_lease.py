@@ -5,39 +5,17 @@ How long a lease lasts is `Safety.lease` in settings.py.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from pacinian.serving.ipc.clock_offset import ClockOffsetEstimator
 from pacinian.serving.ipc.messages import Permit, PermitState
 from pacinian.wire.replies import Error, Ok
 
 if TYPE_CHECKING:
+    from pacinian.serving.control.client_session import ClientSession
     from pacinian.wire.replies import Code, Reply
 
 # Time in which the output fades out when its session releases it [s].
 FADE_OUT_TIME = 0.02
-
-
-@dataclass(eq=False, slots=True)
-class ClientSession:
-    """A client. until: end of its lease. renewed: arrival of its last renewal. time: time stamp in it. All [s].
-
-    number: number of its scene, as in `Permit`.
-    """
-
-    key: bytes
-    peer: bytes
-    user: str
-    name: str
-    scene: str
-    lease: float
-    renewed: float
-    until: float = 0.0
-    time: float = 0.0
-    sequence: int = 0
-    number: int = 0
-    clock: ClockOffsetEstimator = field(default_factory=ClockOffsetEstimator)
 
 
 class OutputLease:

@@ -8,30 +8,32 @@ time than its share; only the owner's link is probed more often.
 from __future__ import annotations
 
 import time
-from collections import Counter, OrderedDict
+from collections import Counter
 from typing import TYPE_CHECKING, NamedTuple
 
 from msgspec.structs import replace
 
 from pacinian.errors import WireError, describe_error
 from pacinian.serving.control.pending_stops import PendingStops
+from pacinian.serving.control.process_statuses import ProcessStatuses
 from pacinian.serving.control.selection import SelectionManager
-from pacinian.serving.control.server_status import ProcessStatuses, StatusPublisher
 from pacinian.serving.control.sessions import ClientSessions
+from pacinian.serving.control.state_builder import StateBuilder
 from pacinian.serving.control.supervisor import SPARE
 from pacinian.serving.ipc.logs import RateLimitedLog, log
 from pacinian.serving.ipc.messages import pack
-from pacinian.serving.ipc.rate_limit import TokenBucket
+from pacinian.serving.ipc.rate_limit import PeerRateLimiter
 from pacinian.wire.codec import decode_control, encode, id_of
 from pacinian.wire.control import Arm, Capabilities, Select, Status, Stop
 from pacinian.wire.replies import Error
 from pacinian.wire.state import FRAME, STATE
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterable, Mapping
 
     from msgspec import Struct
 
+    from pacinian.serving.control.client_session import ClientSession
     from pacinian.serving.control.sockets import ControlSockets
     from pacinian.serving.control.supervisor import Supervisor
     from pacinian.serving.ipc.shared_memory import SharedRegister
@@ -62,8 +64,6 @@ REJOIN_ADVICE = "say hello, put the objects again, and arm again"
 # Longest request that is still decoded from a client over its rate limit, because it may be a stop
 # [bytes].
 MAX_STOP_BYTES = 64
-# Rate of error replies to one client over its limits [1/s].
-ERROR_REPLY_RATE = 10.0
 MAX_PEERS = 4096  # maximum number of peers with a remembered rate
 
 
@@ -97,7 +97,7 @@ class ControlLoop:
         self.sessions = ClientSessions(settings, server=_name_server())
         self.selections = SelectionManager(settings)
         self.statuses = ProcessStatuses(memory)
-        self.publisher = StatusPublisher(settings, self.statuses, self.sessions)
+        self.state_builder = StateBuilder(settings, self.statuses, self.sessions)
         self.counts: Counter[str] = Counter()
         self.newest: State | None = None
         self._settings, self._sockets, self._memory = settings, sockets, memory
@@ -105,7 +105,7 @@ class ControlLoop:
         self._log = RateLimitedLog(clock)
         self._written: dict[str, object] = {}
         self._stops = PendingStops()
-        self._rates: OrderedDict[bytes, tuple[TokenBucket, TokenBucket]] = OrderedDict()
+        self._rates = PeerRateLimiter(settings.clients.max_rate, MAX_PEERS)
         self._due = {"owner": 0.0, "others": 0.0, "check": 0.0, "publish": 0.0, "frame": 0.0}
         self._offset = 0.0  # of the newest published frame in its period
         self._pending_resets: dict[str, PendingReset] = {}  # by process
@@ -114,7 +114,9 @@ class ControlLoop:
     @property
     def ready(self) -> bool:
         """Whether all processes have sent a heartbeat and the renderer has reported."""
-        known = self.publisher.list_known()["solver"]  # the first client must be able to select one
+        known = self.state_builder.list_known()[
+            "solver"
+        ]  # the first client must be able to select one
         return bool(known) and all(map(self._is_alive, self._heartbeats))
 
     @property
@@ -151,9 +153,9 @@ class ControlLoop:
         if self._is_due("check", CHECK_INTERVAL, now) or self._supervisor.ended:
             self._check_processes(now)
         if self._is_due("owner", OWNER_PROBE_INTERVAL, now):
-            self._probe(now, owner=True)
+            self._probe_owner(now)
         if self._is_due("others", OTHER_PROBE_INTERVAL, now):
-            self._probe(now, owner=False)
+            self._probe_others(now)
         every = 1.0 / self._settings.state_rate
         if self._sockets.watchers > watchers:
             self._due["publish"] = self._due["frame"] = now
@@ -228,18 +230,12 @@ class ControlLoop:
     def _handle_request(self, peer: bytes, user: str, data: bytes) -> None:
         now = self._clock()
         self.counts["requests"] += 1
-        rate, tells = self._rates.setdefault(
-            peer, (TokenBucket(self._settings.clients.max_rate), TokenBucket(ERROR_REPLY_RATE))
-        )
-        self._rates.move_to_end(peer)
-        while len(self._rates) > MAX_PEERS:
-            self._rates.popitem(last=False)
-        busy = not rate.take(now)
+        busy = not self._rates.allows(peer, now)
         if busy:
             self.counts["busy"] += 1
             self._log.warning("too many requests", user=user)
             if len(data) > MAX_STOP_BYTES:
-                if tells.take(now):
+                if self._rates.should_report(peer, now):
                     self._tell_busy(peer, id_of(data))
                 return
         try:
@@ -247,14 +243,14 @@ class ControlLoop:
         except WireError as error:
             self.counts["malformed"] += 1
             self._log.warning("malformed request", user=user, error=describe_error(error))
-            if tells.take(now):
+            if self._rates.should_report(peer, now):
                 wrong = Error(
                     id=id_of(data), code="malformed", message=error.problem, path=error.path
                 )
                 self._send(peer, wrong)
             return
         if busy and not isinstance(message, Stop):
-            if tells.take(now):
+            if self._rates.should_report(peer, now):
                 self._tell_busy(peer, message.id)
             return
         try:
@@ -284,15 +280,15 @@ class ControlLoop:
                 if session is None:
                     pass
                 elif isinstance(message, Capabilities):
-                    self._send(peer, self.publisher.describe_abilities(message.id))
+                    self._send(peer, self.state_builder.describe_abilities(message.id))
                 elif isinstance(message, Status):
-                    state = self.publisher.make_state(now, self._supervisor.restarts)
+                    state = self.state_builder.make_state(now, self._supervisor.restarts)
                     self._send(peer, replace(state, id=message.id))
                 elif sessions.lease.owner not in (None, session):
                     problem = "another client owns the output"
                     self._send(peer, Error(id=message.id, code="owner", message=problem))
                 elif reply := self.selections.select(
-                    session, message, self.publisher.list_known(), now
+                    session, message, self.state_builder.list_known(), now
                 ):
                     self._send(peer, reply)
             case Arm() if not self._is_alive("bus"):
@@ -359,10 +355,17 @@ class ControlLoop:
         most = f"more than {self._settings.clients.max_rate:g} messages a second"
         self._send(peer, Error(id=number, code="busy", message=most))
 
-    def _probe(self, now: float, *, owner: bool) -> None:
-        for session in self.sessions.all:
-            if (session is self.sessions.lease.owner) is owner:
-                self._send(session.peer, self.sessions.make_probe(session, now))
+    def _probe_owner(self, now: float) -> None:
+        if (owner := self.sessions.lease.owner) is not None:
+            self._probe([owner], now)
+
+    def _probe_others(self, now: float) -> None:
+        owner = self.sessions.lease.owner
+        self._probe([session for session in self.sessions.all if session is not owner], now)
+
+    def _probe(self, sessions: Iterable[ClientSession], now: float) -> None:
+        for session in sessions:
+            self._send(session.peer, self.sessions.make_probe(session, now))
         self._write_changes_and_reply()
 
     def _look_for_faults(self, now: float) -> None:
@@ -410,7 +413,7 @@ class ControlLoop:
         self._write_changes_and_reply()
 
     def _record_fault(self, fault: str) -> None:
-        self.publisher.record_fault(fault)
+        self.state_builder.record_fault(fault)
         log().error("fault", fault=fault)
 
     def _handle_exit(self, name: str, why: str, now: float) -> None:
@@ -434,7 +437,7 @@ class ControlLoop:
         self._due["check"] = now + CHECK_INTERVAL
         # A plug-in reported something invalid, or the message is too long (WireError).
         try:
-            self.newest = self.publisher.make_next_state(now, self._supervisor.restarts)
+            self.newest = self.state_builder.make_next_state(now, self._supervisor.restarts)
             self._sockets.publish(STATE, encode(self.newest))
         except (TypeError, ValueError):
             self.counts["unpublished"] += 1
@@ -442,7 +445,7 @@ class ControlLoop:
     def _publish_frame(self, now: float) -> None:
         self.statuses.look_at_frame()
         try:
-            self._sockets.publish(FRAME, encode(self.publisher.make_frame_state(now)))
+            self._sockets.publish(FRAME, encode(self.state_builder.make_frame_state(now)))
         except (TypeError, ValueError):
             self.counts["unpublished"] += 1
 

@@ -16,7 +16,7 @@ from pacinian.wire.replies import Error, Ok
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from pacinian.serving.control.output_lease import ClientSession
+    from pacinian.serving.control.client_session import ClientSession
     from pacinian.serving.settings import Settings
     from pacinian.wire.control import Select
     from pacinian.wire.replies import Reply

@@ -5,7 +5,8 @@ from __future__ import annotations
 import secrets
 from typing import TYPE_CHECKING
 
-from pacinian.serving.control.output_lease import ClientSession, OutputLease
+from pacinian.serving.control.client_session import ClientSession
+from pacinian.serving.control.output_lease import OutputLease
 from pacinian.serving.ipc import messages
 from pacinian.wire.control import Arm, Bye, Disarm, Hello, Renew, Reset, Stop
 from pacinian.wire.protocol import MAJOR, MINOR, SESSION_BYTES

@@ -13,9 +13,10 @@ from pacinian.argument_checks import check_kind
 from pacinian.errors import BackendError, describe_error
 from pacinian.plugins.backend import Capability
 from pacinian.rendering.clock import SystemClock
+from pacinian.rendering.row_times import check_server_rate
 from pacinian.scene.config_sections import PluginConfig
 from pacinian.serving.ipc import plugin_list
-from pacinian.serving.ipc.messages import SUPERSEDED, check_rate
+from pacinian.serving.ipc.messages import SUPERSEDED
 from pacinian.serving.ipc.scheduling import raise_priority, start_background_thread
 
 if TYPE_CHECKING:
@@ -334,7 +335,7 @@ class DeviceManager:
             given = backend.capability
             check_kind("capability", given, Capability)
             checked = "rate"
-            check_rate(given.rate, self._rate)
+            check_server_rate(given.rate, self._rate)
             checked = "backend"
             # Checked again: a plug-in may have set fields of it, or derived from it.
             can = Capability(given.phases, given.amplitudes, given.rate, given.watchdog)

@@ -16,7 +16,8 @@ import numpy as np
 
 from pacinian.errors import BackendError, describe_error, shorten
 from pacinian.plugins.backend import Capability, Frame
-from pacinian.serving.ipc.messages import HEAD_BYTES, MAX_ROWS, DeviceStatus, FrameHead, Permit
+from pacinian.rendering.row_times import MAX_SERVER_ROWS
+from pacinian.serving.ipc.messages import HAND_UPDATE, HEAD_BYTES, DeviceStatus, FrameHead, Permit
 from pacinian.serving.ipc.scheduling import ANY_CORE
 
 if TYPE_CHECKING:
@@ -29,7 +30,6 @@ if TYPE_CHECKING:
 # Largest number of hand updates kept for the status.
 MAX_INPUTS = 256
 REJECTED_FRAME = FrameHead(0, 0.0, -1, -1, 0, 0)
-_INPUT = struct.Struct("<4d")  # layout of a hand update: sequence, sent, received, emitted
 
 
 class OutputGate:
@@ -71,9 +71,9 @@ class OutputGate:
         self._capability = self._next_capability = Capability()
         self._head, self._data = REJECTED_FRAME, b""  # the newest frame
         self._waits = False  # the newest frame has not been let through yet
-        # Times [s]: newest frame seen, last frame of this device and epoch seen, epoch began.
-        self._seen = self._fed = self._armed = -math.inf
-        self._epoch = -1
+        # Times at which the newest frame, and the last one for this device and epoch, were seen [s].
+        self._seen = self._last_valid_frame_seen = -math.inf
+        self._epoch, self._epoch_began = -1, -math.inf
         # When the last frame of this epoch was let through [s].
         self._passed = math.nan
         self._gap = 0.0  # longest gap between frames in this epoch [s]
@@ -151,7 +151,8 @@ class OutputGate:
         """
         now = self._clock()
         if permit.epoch != self._epoch:
-            self._epoch, self._armed, self._passed, self._gap = permit.epoch, now, math.nan, 0.0
+            self._epoch, self._epoch_began = permit.epoch, now
+            self._passed, self._gap = math.nan, 0.0
         if frame is not None:
             self._note_frame(frame, now)
             if self.next_generation and self._head.device == self.next_generation:
@@ -201,10 +202,11 @@ class OutputGate:
         if not now < permit.until:
             return "expired"
         if self._head.epoch == permit.epoch and self._head.device == self.generation:
-            self._fed = self._seen
+            self._last_valid_frame_seen = self._seen
             if now - self._seen < self._max_age:
                 return "" if self._head.rows else "empty"
-        return "stale" if now - max(self._fed, self._armed) >= self._max_age else "waiting"
+        waited = now - max(self._last_valid_frame_seen, self._epoch_began)
+        return "stale" if waited >= self._max_age else "waiting"
 
     def silence(self, reason: str) -> None:
         """Silence the device if it may sound. Call again while `loud` is still set."""
@@ -264,7 +266,7 @@ class OutputGate:
         self._passed = now
         if head.input and head.input != self._input:  # 0: a silent frame, which has no input
             self._input = head.input
-            self._inputs.append(_INPUT.pack(head.input, head.sent, head.received, now))
+            self._inputs.append(HAND_UPDATE.pack(head.input, head.sent, head.received, now))
             self._input_count += 1
 
     def make_status(
@@ -308,7 +310,7 @@ def _decode_frame(
 ) -> Frame:
     """Return the frame with this head. Raises BackendError for a frame that no device may get."""
     size = HEAD_BYTES + 4 * head.rows * columns
-    if head.columns != columns or not 0 < head.rows <= MAX_ROWS or len(data) != size:
+    if head.columns != columns or not 0 < head.rows <= MAX_SERVER_ROWS or len(data) != size:
         raise BackendError(
             f"a frame has {head.rows} x {head.columns} levels in {len(data)} bytes, but the array has "
             f"{columns} transducers"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 import select
 import signal
@@ -10,7 +11,7 @@ import sys
 import time
 from typing import TYPE_CHECKING
 
-from pacinian.serving.ipc.hang_detection import HangDetector, compute_sounding_hang_limit
+from pacinian.serving.ipc.hang_detection import WatchedTime, compute_sounding_hang_limit
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -19,6 +20,26 @@ if TYPE_CHECKING:
 
 # Interval between two checks of the guard, while there may be sound and otherwise [s].
 CHECK_INTERVAL, IDLE_INTERVAL = 0.02, 0.1
+
+
+class HangDetector:
+    """Detects a guard that hangs. limit: time without a heartbeat while there may be sound [s], as in `Supervisor`."""
+
+    def __init__(self, limit: float) -> None:
+        self._limit = limit
+        self._watched = WatchedTime(-math.inf)
+        self._heartbeat = 0.0  # the last one [s]
+        self._heard = 0.0  # time watched until it came [s]
+
+    def detect_hang(self, heartbeat: float, sound: bool, now: float) -> bool:
+        """Check the last `heartbeat` [s] at `now` [s]; return whether the guard hangs.
+
+        sound: whether there may be sound.
+        """
+        self._watched.advance(now)
+        if heartbeat != self._heartbeat or not sound:
+            self._heartbeat, self._heard = heartbeat, self._watched.seconds
+        return self._watched.seconds - self._heard > self._limit
 
 
 def stand_by(parent: Parent, hang_timeout: float, look: Callable[[], tuple[float, bool]]) -> None:

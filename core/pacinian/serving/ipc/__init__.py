@@ -10,7 +10,7 @@ child_pipe.py         the pipes that hold a child's configuration, and end it wh
 processes.py          spawns or forks a process, although no file descriptor is left
 system_setup.py       asks of the operating system: file descriptors, memory, signals, systemd
 ports.py              whether a TCP port is free; binds sockets
-hang_detection.py     whether a process hangs, from its heartbeats and `hang_timeout` (settings.py)
+hang_detection.py     for how long a process may send no heartbeat, from `hang_timeout` (settings.py)
 scheduling.py         priority, real-time class and processor affinity
 logs.py               logging to standard error
 log_lines.py          a line of the log, as text or JSON
@@ -18,7 +18,7 @@ auth.py               keys, tokens and CURVE: who may connect
 zap.py                the thread that answers ZeroMQ's questions about new connections
 file_lock.py          one server for each connection file
 clock_offset.py       a client's clock offset
-rate_limit.py         token buckets: messages a second
+rate_limit.py         token buckets: messages a second of each connection
 plugin_list.py        lists the plug-ins that can be selected, and creates them
 refused_setting.py    a setting that a solver or a backend refuses, reported to control
 """

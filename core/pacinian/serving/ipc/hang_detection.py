@@ -1,8 +1,6 @@
-"""Decide whether a process hangs, from its heartbeats."""
+"""For how long a process may send no heartbeat, and how the time without one is counted."""
 
 from __future__ import annotations
-
-import math
 
 # While there may be sound, the guard's hang limit is `hang_timeout` divided by this.
 SOUNDING_HANG_DIVISOR = 8
@@ -28,23 +26,3 @@ class WatchedTime:
         """Count the time since the last check, at `now` [s]."""
         self.seconds += min(now - self._last, MAX_CHECK_GAP)
         self._last = now
-
-
-class HangDetector:
-    """Detects a guard that hangs. limit: time without a heartbeat while there may be sound [s], as in `Supervisor`."""
-
-    def __init__(self, limit: float) -> None:
-        self._limit = limit
-        self._watched = WatchedTime(-math.inf)
-        self._heartbeat = 0.0  # the last one [s]
-        self._heard = 0.0  # time watched until it came [s]
-
-    def detect_hang(self, heartbeat: float, sound: bool, now: float) -> bool:
-        """Check the last `heartbeat` [s] at `now` [s]; return whether the guard hangs.
-
-        sound: whether there may be sound.
-        """
-        self._watched.advance(now)
-        if heartbeat != self._heartbeat or not sound:
-            self._heartbeat, self._heard = heartbeat, self._watched.seconds
-        return self._watched.seconds - self._heard > self._limit

@@ -27,8 +27,8 @@ import msgspec
 import numpy as np
 from msgspec import Struct
 
-from pacinian.errors import ArgumentError
 from pacinian.plugins.backend import Capability
+from pacinian.rendering.row_times import MAX_SERVER_ROWS
 from pacinian.scene.config_sections import PluginConfig
 from pacinian.serving.ipc.scheduling import ANY_CORE
 from pacinian.serving.ipc.wake_pipe import WakePipe
@@ -60,13 +60,13 @@ WAITING_PROCESSES = {
     "changes_ack": ("bus",),
     "sessions": ("bus",),
 }
-MAX_ROWS = 64  # largest number of rows of a frame; the device plays them one after another
+
 HEAD_BYTES = 96  # size of a frame's head, before its levels [bytes]
 
 
 def compute_frame_capacity(transducers: int) -> int:
     """Return the capacity of the file `frame` [bytes]."""
-    return HEAD_BYTES + 4 * MAX_ROWS * transducers
+    return HEAD_BYTES + 4 * MAX_SERVER_ROWS * transducers
 
 
 def open_wake_pipe(folder: Path, process: str) -> WakePipe:
@@ -150,6 +150,9 @@ class FrameHead(NamedTuple):
 
 
 _FRAME = struct.Struct("<qdqqqqqdddqq")
+# A hand update in `DeviceStatus.inputs` and `State.inputs`: sequence number; times at which it was sent, received and
+# emitted [s].
+HAND_UPDATE = struct.Struct("<4d")
 
 
 class SessionInfo(Struct, frozen=True, array_like=True):
@@ -346,6 +349,9 @@ class DeviceStatus(Struct, frozen=True, array_like=True):
         return Capability(self.phases, table or self.amplitudes, self.rate, self.watchdog)
 
 
+NO_DEVICE = DeviceStatus(0, 0, "", 0, 0, 0.0, None, -float("inf"), sounding=False)
+
+
 class BusStatus(Struct, frozen=True, array_like=True):
     """The status of the bus. clients: by session key in hex: objects, commands, errors, dropped, age of the newest [s].
 
@@ -364,13 +370,3 @@ class BusStatus(Struct, frozen=True, array_like=True):
 def pack(value: Struct) -> bytes:
     """Return a message as bytes."""
     return msgspec.msgpack.encode(value)
-
-
-def check_rate(device: float, loop: float) -> None:
-    """Check that a device of `device` rows a second suits a loop of `loop` ticks a second. Raises ArgumentError."""
-    if not 1.0 - 1e-9 <= device / loop < MAX_ROWS + 0.5:
-        raise ArgumentError(
-            "rate",
-            f"must be {device / MAX_ROWS:.3g} to {device:g} for this device, which plays {device:g} rows a second, "
-            f"1 to {MAX_ROWS} rows a tick; it is {loop:g}",
-        )

@@ -41,7 +41,7 @@ class Parent:
     """
 
     def __init__(self) -> None:
-        _kill_when_orphaned(True)
+        _die_with_parent()
         self._prepared, self._begun = False, threading.Event()
         self._orphaned: Callable[[], object] = lambda: None
         self.pipe = os.dup(0)
@@ -67,7 +67,7 @@ class Parent:
         device first.
         """
         if not kill:
-            _kill_when_orphaned(False)
+            _outlive_parent()
         self.prepare()
         self._orphaned = orphaned
         self._begun.set()
@@ -97,7 +97,7 @@ def run_module(name: str, *, later: bool) -> None:
 
     Returns at once when the parent has gone. later: whether to import the module only once the configuration arrives.
     """
-    _kill_when_orphaned(True)
+    _die_with_parent()
     scheduling.ask_for_precise_timers()
     if not later:
         importlib.import_module(name)
@@ -116,10 +116,19 @@ def _count_waiting(file: int) -> int:
     return int.from_bytes(count, sys.byteorder)
 
 
-def _kill_when_orphaned(kill: bool) -> None:
-    """On Linux, set whether the system kills this process when its parent has gone."""
+def _die_with_parent() -> None:
+    """On Linux, let the system kill this process when its parent has gone."""
+    _set_death_signal(signal.SIGKILL)
+
+
+def _outlive_parent() -> None:
+    """On Linux, let this process continue when its parent has gone."""
+    _set_death_signal(0)
+
+
+def _set_death_signal(number: int) -> None:
     if sys.platform == "linux":
-        ctypes.CDLL(None).prctl(PDEATHSIG, signal.SIGKILL if kill else 0)
+        ctypes.CDLL(None).prctl(PDEATHSIG, number)
 
 
 def _read_bytes(pipe: int, length: int) -> bytes:

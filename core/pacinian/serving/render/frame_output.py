@@ -8,7 +8,8 @@ import numpy as np
 
 from pacinian.errors import ArgumentError, BackendError, describe_error
 from pacinian.plugins.backend import Backend, Capability
-from pacinian.serving.ipc.messages import FrameHead, check_rate
+from pacinian.rendering.row_times import check_server_rate
+from pacinian.serving.ipc.messages import FrameHead
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -151,7 +152,7 @@ class OutputSwitcher:
         generation = self._tried = device.next_generation or device.generation
         if not generation:
             raise ArgumentError("backend", "must be open")
-        check_rate(device.rate, self._rate)
+        check_server_rate(device.rate, self._rate)
         return self._make_output_for(generation, device.capability)
 
     def _make_output_for(self, generation: int, capability: Capability) -> SharedFrameBackend:

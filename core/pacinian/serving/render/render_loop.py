@@ -27,7 +27,7 @@ from pacinian.serving.render.frame_output import Input, OutputSwitcher
 from pacinian.serving.render.scene_replica import SceneReplica
 from pacinian.serving.render.touch_report import explain_contact, explain_loading, explain_outside
 from pacinian.serving.render.zone_placement import ZonePlacement
-from pacinian.solving.problem import Limits
+from pacinian.solving.limits import Limits
 from pacinian.wire.convert_modulation import technique_to_scene
 
 if TYPE_CHECKING:
@@ -60,11 +60,9 @@ MIN_REST_INTERVAL = 0.05  # shortest time between two reports while the loop res
 # Longest time between two ticks while each repeats the frame before [s]. It is short because something that moves by
 # itself may come into reach.
 STILL_INTERVAL = 4e-3
-# Longest time between two ticks while each repeats the frame before, as a share of the time without a new frame after
-# which the output is silenced.
+# The same limit, as a share of `frame_timeout` or of the device's watchdog, whichever is shorter.
 STILL_SHARE = 0.25
 MAX_RESULTS = 64  # largest number of results that are kept
-NO_DEVICE = messages.DeviceStatus(0, 0, "", 256, 256, 0.0, None, 0.0, False)
 
 
 class RenderLoop:
@@ -97,7 +95,7 @@ class RenderLoop:
             messages.Selections(),
         )
         self._device = RegisterReader(
-            files["device"], Decoder(messages.DeviceStatus).decode, NO_DEVICE
+            files["device"], Decoder(messages.DeviceStatus).decode, messages.NO_DEVICE
         )
         self._changes = RegisterReader(
             files["changes"], decode_changes, (messages.Changes(0, 0, ()), 0)

@@ -12,7 +12,7 @@ from pacinian.acoustics.pressure import radiation_pressure
 from pacinian.errors import shorten
 from pacinian.region_numbers import BESIDE
 from pacinian.rendering.zone_limit import TOO_COARSE
-from pacinian.scene.sampling.hand_tracking import HOLD_TIME, LOST_HAND_FADE_TIME
+from pacinian.scene.sampling.hand_tracking import extrapolate_seen, is_gone
 from pacinian.scene.sampling.sample_counts import label_object
 from pacinian.serving.render.touch_report import find_touches
 
@@ -55,7 +55,7 @@ def make_status(renderer: Renderer, t: float) -> dict[str, Any]:
 def find_hands(renderer: Renderer, t: float) -> list[Hand]:
     """Return the hands at time t [s] of the scene, without those that are lost or were last seen long ago."""
     return [
-        seen for hand in renderer.newest_scene.hands if (seen := _extrapolate(hand, t)) is not None
+        extrapolate_seen(hand, t) for hand in renderer.newest_scene.hands if not is_gone(hand, t)
     ]
 
 
@@ -108,14 +108,6 @@ def _encode_felt(renderer: Renderer, labels: list[str]) -> bytes:
     felt = renderer.report.compute_felt(AVERAGED_MEASUREMENTS)
     figures = [felt.get(label, UNKNOWN) for label in labels]
     return np.array(figures, dtype="<f4").tobytes()
-
-
-def _extrapolate(hand: Hand, t: float) -> Hand | None:
-    """Return a hand, extrapolated by its velocities; None if it is lost, or was last seen long ago."""
-    if hand.lost or hand.time is None:
-        return None if hand.lost else hand
-    age = max(t - hand.time, 0.0)
-    return None if age >= HOLD_TIME + LOST_HAND_FADE_TIME else hand.extrapolate(min(age, HOLD_TIME))
 
 
 def _count_ticks(ticks: Floats) -> bytes:

@@ -20,7 +20,7 @@ from pacinian.scene.shapes.mesh import Mesh
 from pacinian.scene.shapes.sphere_capsule import Sphere
 from pacinian.serving.render.background_loader import load_object
 from pacinian.solving.blas import limit_blas_threads
-from pacinian.solving.problem import Limits
+from pacinian.solving.limits import Limits
 from pacinian.solving.quiet_zone import Zone
 
 if TYPE_CHECKING:

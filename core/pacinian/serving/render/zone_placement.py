@@ -11,12 +11,13 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from pacinian.errors import ArgumentError, describe_error
-from pacinian.solving.problem import Budget, Limits
+from pacinian.solving.budget import Budget
 from pacinian.solving.quiet_subspace import Preparation
 
 if TYPE_CHECKING:
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
+    from pacinian.solving.limits import Limits
     from pacinian.solving.quiet_zone import Zone
 
 AT_ONCE = Budget.until(0.0)

@@ -3,7 +3,7 @@
 backend.py              the backend: options, units, levels, rows
 units.py                poses of units; transducers to channels
 levels.py               Pacinian's levels as phases and pulse widths
-stream.py               rows as commands; STM in the units' memory
+row_commands.py         rows as commands; STM in the units' memory
 repeat_detector.py      rows that repeat, which units play by themselves
 commands.py             commands: levels without ramps (silencer off), silence
 transport_interface.py  interface of the ways to units

@@ -11,7 +11,7 @@ from pacinian.argument_checks import check_integer, check_number
 from pacinian.errors import ArgumentError
 from pacinian_plugins.backends.autd3 import levels, open_transport, units
 from pacinian_plugins.backends.autd3.packages import NAME
-from pacinian_plugins.backends.autd3.stream import CARRIER, Stream
+from pacinian_plugins.backends.autd3.row_commands import CARRIER, RowCommands
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -79,7 +79,7 @@ class Autd3(pc.Backend):
         else:
             layout = units.layout_of_array(array)
         geometry = layout.geometry()
-        self._stream, self._packer = Stream(geometry, self.rate), levels.Packer(layout)
+        self._row_commands, self._packer = RowCommands(geometry, self.rate), levels.Packer(layout)
         self._failures, self._first = 0, None
         self.line = open_transport.make_transport(
             self.link, geometry, self.interface, self.port, self.watchdog, self.timeout, self.clock
@@ -97,7 +97,7 @@ class Autd3(pc.Backend):
         line.check()
         if line.waits or line.failures != self._failures:
             self._failures = line.failures
-            self._stream.forget()
+            self._row_commands.forget()
         try:
             phase, intensity = self._packer.pack(frame.phase, frame.amplitude)
         except ValueError as error:
@@ -106,7 +106,7 @@ class Autd3(pc.Backend):
             ) from error
         self._first = frame.time if self._first is None else self._first
         first, now = round((frame.time - self._first) * self.rate), line.time + self.lead
-        timed = self._stream.tell(first, phase, intensity, now)
+        timed = self._row_commands.tell(first, phase, intensity, now)
         line.post(
             [(frames, now + row / self.rate if row or self.lead else None) for frames, row in timed]
         )
@@ -114,7 +114,7 @@ class Autd3(pc.Backend):
     def silence(self) -> None:
         """Stop all sound. Raises BackendError if the units do not answer; then their failsafe silences them."""
         if self._open:
-            self._stream.forget()
+            self._row_commands.forget()
             self._line().silence()
 
     def close(self) -> None:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from pacinian.devices.usb_errors import RESET_ADVICE
 from pacinian_plugins.backends.autd3.packages import NAME
 
-RESET_ADVICE = "reset the server, or open the backend again"
 LOST = (
     "the units have stopped answering: a cable, the power, or another program that opened them. Their failsafe "
     f"silences them. Mend that, then {RESET_ADVICE}"
@@ -22,10 +22,13 @@ ADVICE = {  # by a part of the packages' error message
 }
 
 
-def explain(error: Exception, gone: bool = False) -> str:
-    """Return the message for an error of the packages. gone: whether a unit is known to be lost."""
-    if gone:
-        return f"{NAME}: {LOST}"
+def describe_loss() -> str:
+    """Return the message for a lost unit."""
+    return f"{NAME}: {LOST}"
+
+
+def explain(error: Exception) -> str:
+    """Return the message for an error of the packages."""
     said = str(error)
     advice = next((advice for part, advice in ADVICE.items() if part in said), RESET_ADVICE)
     return f"{NAME}: {said}: {advice}"

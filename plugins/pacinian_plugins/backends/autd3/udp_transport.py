@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import pacinian as pc
 from pacinian_plugins.backends.autd3.commands import make_silent, make_unramped
-from pacinian_plugins.backends.autd3.error_advice import explain
+from pacinian_plugins.backends.autd3.error_advice import describe_loss, explain
 from pacinian_plugins.backends.autd3.packages import NAME, import_package
 
 if TYPE_CHECKING:
@@ -198,7 +198,7 @@ class UdpTransport:
         code = getattr(error, "code", self._error.INVALID_ARGUMENT)
         hopeless = code in (self._error.NETWORK, self._error.INVALID_ARGUMENT)
         if gone or hopeless or now - self._failing > self._timeout:
-            self._problem = explain(error, gone)
+            self._problem = describe_loss() if gone else explain(error)
 
     async def _send_silence(self) -> None:
         self._silences += 1

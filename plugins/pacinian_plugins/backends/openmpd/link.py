@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import pacinian as pc
 from pacinian.devices.usb import UsbKind
+from pacinian.devices.usb_errors import RESET_ADVICE
 from pacinian.devices.usb_link import UsbLink
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ CHIPS = UsbKind(
     usb=((0x0403, 0x6014),),  # FTDI's FT232H, whatever it is built into
     gone=(
         "it is gone: unplugged or reset. While it has power it PLAYS ITS LAST FRAME: switch it off, or plug it in "
-        "and reset the server, or open the backend again"
+        f"and {RESET_ADVICE}"
     ),
     hangs="the board hangs, has no power, or the bus is overloaded",
     anonymous=(

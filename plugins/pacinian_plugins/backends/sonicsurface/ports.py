@@ -8,6 +8,7 @@ from typing import Any
 
 import pacinian as pc
 from pacinian.devices.device_users import find_users
+from pacinian.devices.usb_errors import RESET_ADVICE
 from pacinian_plugins.backends.sonicsurface.protocol import BAUD
 
 NAME = "sonicsurface"
@@ -17,7 +18,7 @@ STUCK = (
 )
 UNPLUGGED = (
     "it is gone: unplugged or reset. While the array has power it PLAYS ITS LAST PATTERN: switch it off, or plug "
-    "the adapter in and reset the server, or open the backend again"
+    f"the adapter in and {RESET_ADVICE}"
 )
 
 

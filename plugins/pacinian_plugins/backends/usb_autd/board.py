@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import pacinian as pc
+from pacinian.devices.usb_errors import RESET_ADVICE
 from pacinian_plugins.backends.usb_autd import frames, protocol
-from pacinian_plugins.backends.usb_autd.link import DEVICES, RESET_ADVICE
+from pacinian_plugins.backends.usb_autd.link import DEVICES
 from pacinian_plugins.backends.usb_autd.protocol import Request, Verdict
 from pacinian_plugins.backends.usb_autd.report_layout import Capability, Status
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from pacinian.devices.usb import UsbKind
+from pacinian.devices.usb_errors import RESET_ADVICE
 from pacinian.devices.usb_link import UsbLink
 from pacinian_plugins.backends.usb_autd.protocol import INTERFACE, Request
 
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
 
 IN, OUT = 0xC1, 0x41  # bmRequestType of vendor requests to the interface
 MAX_REPORT_BYTES = 255  # maximum length of a report [bytes]
-RESET_ADVICE = "reset the server, or open the backend again"
+
 DEVICES = UsbKind(
     name="usb-autd",
     usb=(INTERFACE,),

@@ -1,7 +1,7 @@
 """Least squares under limits, solved by its Lagrange dual (end of the paper's section 4), for free or given phases.
 
 solver.py               options, defaults; which way below solves a problem; makes the result: bound, note
-problem.py              `Problem`: arguments of a solve; what its gains reach; the note on gains at their limit
+solve_arguments.py      `SolveArguments`: what its gains reach; the note on gains at their limit
 gain_limited_newton.py  the gain limit alone: Newton steps, their largest numbers; full drive, for other phases
 multistart.py           starting phases that it tries for few samples, if the first ones do not suffice
 regions.py              regions: least squares with all phases given, by conjugate gradients

@@ -17,7 +17,7 @@ from pacinian_plugins.solvers.lagrange.strongest_uniform import find_strongest_u
 
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Flags, Floats
-    from pacinian_plugins.solvers.lagrange.problem import Problem
+    from pacinian_plugins.solvers.lagrange.solve_arguments import SolveArguments
 
 MAX_MET_ERROR = 1e-4  # relative error at which free phases are not chosen again
 SEARCH_GAP = 1e-3  # relative gap that suffices while searching for the strongest even distribution
@@ -46,7 +46,7 @@ class Constrained:
     unit: one unit of gain [-].
     """
 
-    problem: Problem
+    arguments: SolveArguments
     mu: float
     unit: float
     A: Complexes
@@ -54,9 +54,9 @@ class Constrained:
     reduced: Reduced | None
 
     @classmethod
-    def of(cls, problem: Problem, mu: float) -> Constrained:
+    def of(cls, arguments: SolveArguments, mu: float) -> Constrained:
         """Set up the problem for the current positions of the points."""
-        propagator, limits = problem.propagator, problem.limits
+        propagator, limits = arguments.propagator, arguments.limits
         B = propagator.B
         M, N = B.shape
         reduced = Reduced.of(B) if M > N and limits.exact is None else None
@@ -65,11 +65,11 @@ class Constrained:
             parts.append(propagator.quiet.B)
         A = np.ascontiguousarray(np.concatenate(parts))
         G = propagator.gram if reduced is None and len(parts) == 1 else gram_matrix(A)
-        return cls(problem, mu, limits.gain or 1.0, A, G, reduced)
+        return cls(arguments, mu, limits.gain or 1.0, A, G, reduced)
 
     def solve_nearest(self, rounds: int) -> Found:
         """Find the nearest pressures within the limits; choose free phases again while that lowers the error."""
-        propagator, targets, limits, _, budget, _ = self.problem
+        propagator, targets, limits, _, budget, _ = self.arguments
         p = choose_phases(propagator, targets, None) / self.unit
         exact = limits.make_exact_mask(len(p)) if limits.exact is not None else None
         best: Found | None = None
@@ -101,7 +101,7 @@ class Constrained:
 
         If the proportions cannot be made at all, find the nearest pressures of any strength.
         """
-        propagator, targets, limits, _, budget, _ = self.problem
+        propagator, targets, limits, _, budget, _ = self.arguments
         quiet, power = self._quiet, self._power
         p = choose_phases(propagator, targets, None) if phases is None else targets.complex(phases)
         p = p / self.unit
@@ -129,10 +129,10 @@ class Constrained:
 
     def solve_strongest_uniform(self) -> Found:
         """Find the largest even multiple of a region's targets within the limits; see `find_strongest_uniform`."""
-        _, targets, limits, _, budget, _ = self.problem
+        _, targets, limits, _, budget, _ = self.arguments
         answers = list[Answer]()
         p = targets.complex(targets.phases) / self.unit
-        reach = self.problem.compute_reach() / self.unit
+        reach = self.arguments.compute_reach() / self.unit
 
         def attempt(some: Complexes) -> Complexes:
             answer = least_squares(
@@ -153,7 +153,7 @@ class Constrained:
         """Restate bound and objective for the phases made instead of those of p: the dual is linear in p."""
         answer = found.answer
         soft = ~exact if exact is not None and answer.kept else slice(None)
-        asked = self.problem.targets.complex(np.angle(found.made)) / self.unit
+        asked = self.arguments.targets.complex(np.angle(found.made)) / self.unit
         turned = self._reduce(asked)
         moved = float(np.vdot(answer.y[: len(down)], turned - down).real)
         before, after = (float(np.linalg.norm((a - found.made)[soft])) ** 2 for a in (p, asked))
@@ -168,21 +168,21 @@ class Constrained:
 
     @property
     def _quiet(self) -> Floats | None:
-        quiet = self.problem.limits.quiet
+        quiet = self.arguments.limits.quiet
         return None if quiet is None else np.asarray(quiet[1], np.float64) / self.unit
 
     @property
     def _power(self) -> float | None:
-        power = self.problem.limits.power
+        power = self.arguments.limits.power
         return None if power is None else power / self.unit**2
 
     def _evaluate(self, answer: Answer) -> Found:
         made = self._compute_made(answer)
-        return Found(answer, made, self.problem.targets.relative_error(made * self.unit))
+        return Found(answer, made, self.arguments.targets.relative_error(made * self.unit))
 
     def _compute_made(self, answer: Answer) -> Complexes:
-        M = len(self.problem.targets.amplitudes)
-        return answer.made[:M] if self.reduced is None else self.problem.propagator.B @ answer.h
+        M = len(self.arguments.targets.amplitudes)
+        return answer.made[:M] if self.reduced is None else self.arguments.propagator.B @ answer.h
 
 
 def _compute_loss(p: Complexes, down: Complexes) -> float:

@@ -14,7 +14,8 @@ if TYPE_CHECKING:
 
 MAX_MULTISTART_SAMPLES = 16  # most samples for which other starts are tried
 CANDIDATES_PER_START = 3  # number of starts that are rated for each one that is continued
-GOLDEN_FRACTION = 0.6180339887  # phase increment of the starts [turns]
+# Phase increment of the starts [turns]: the golden ratio minus 1. More digits would change the last bits of solutions.
+GOLDEN_FRACTION = 0.6180339887
 
 
 def count_other_starts(starts: int, free: Flags) -> int:

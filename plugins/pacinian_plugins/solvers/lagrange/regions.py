@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import pacinian as pc
+from pacinian.solving.skin_phases import BESIDE_WEIGHT
 from pacinian.solving.solution_metrics import AT_LIMIT
 from pacinian_plugins.native.lagrange import (
     RegionWorkspace,
@@ -31,15 +32,14 @@ from pacinian_plugins.native.lagrange import (
     start_region,
     write_gains,
 )
-from pacinian_plugins.solvers.lagrange.problem import describe_saturation
 from pacinian_plugins.solvers.lagrange.reference import solve_newton
+from pacinian_plugins.solvers.lagrange.solve_arguments import describe_saturation
 from pacinian_plugins.solvers.lagrange.strongest_uniform import find_strongest_uniform
 
 if TYPE_CHECKING:
     from pacinian.types import Complexes, Floats, Gains, Indices
-    from pacinian_plugins.solvers.lagrange.problem import Problem
+    from pacinian_plugins.solvers.lagrange.solve_arguments import SolveArguments
 
-BESIDE_WEIGHT = 0.02  # weight of points beside regions
 # Least number of transducers in the preconditioner of an array that has more, and largest stride from one to the next.
 MIN_COLUMNS, MAX_STRIDE = 500, 4
 # Largest number of samples whose preconditioner is one block, and largest size of the blocks of more samples.
@@ -85,12 +85,12 @@ class Ascent:
         return np.asarray(self.workspace.made[0] + 1j * self.workspace.made[1])
 
 
-def solve(problem: Problem, relative: float) -> pc.Result:
+def solve(arguments: SolveArguments, relative: float) -> pc.Result:
     """Write the gains that come nearest to targets of given phases under the gain limit, or the strongest even ones.
 
     relative: mu over trace(B B^H) / M. Starts from the multipliers of `warm`, if it has any.
     """
-    propagator, targets, limits, warm, budget, out = problem
+    propagator, targets, limits, warm, budget, out = arguments
     B = propagator.single
     M, N = B.shape
     mu = relative * propagator.power
@@ -111,7 +111,7 @@ def solve(problem: Problem, relative: float) -> pc.Result:
     workspace = find_workspace(propagator, len(before) > 0 and moved_together(propagator, warm))
     max_gap = MAX_LATE_START_GAP if warm is not None and warm.late else MAX_START_GAP
     ascent = Ascent(B, p, D, y, mu, max_gap, workspace, budget)
-    strongest = problem.strongest
+    strongest = arguments.strongest
     if strongest:
         reach = np.where(targets.beside, 0.0, np.abs(B).sum(axis=1, dtype=np.float64))
         find_strongest_uniform(p, reach, ascent.turn_to, budget)

@@ -17,11 +17,12 @@ from pacinian.solving.back_propagation import NO_GRAM_MATRIX, affords_gram, back
 from pacinian.solving.buffer_pool import acquire, release
 from pacinian.solving.limit_enforcement import enforce_limits
 from pacinian.solving.phases import choose_phases_into, initial_phases
+from pacinian.solving.skin_phases import REGION_MU
 from pacinian.solving.solution_metrics import AT_LIMIT
 from pacinian_plugins.native.lagrange import MAX_START, Workspace, scale_for_single, start
 from pacinian_plugins.solvers.lagrange import regions
 from pacinian_plugins.solvers.lagrange.gain_limited_newton import GainLimitedNewton
-from pacinian_plugins.solvers.lagrange.problem import Problem, describe_saturation
+from pacinian_plugins.solvers.lagrange.solve_arguments import SolveArguments, describe_saturation
 
 if TYPE_CHECKING:
     from pacinian.types import Floats
@@ -63,7 +64,7 @@ class Lagrange(pc.Solver):
     keeps: ClassVar[frozenset[str]] = frozenset({"quiet", "exact"})
 
     mu: Annotated[float, Meta(gt=0.0, le=1.0)] = 1e-6
-    mu_regions: Annotated[float, Meta(gt=0.0, le=1.0)] = 5e-3
+    mu_regions: Annotated[float, Meta(gt=0.0, le=1.0)] = REGION_MU
     rounds: Annotated[int, Meta(ge=1, le=100)] = 20
     starts: Annotated[int, Meta(ge=0, le=64)] = 16
 
@@ -84,9 +85,9 @@ class Lagrange(pc.Solver):
         out: pc.Gains,
     ) -> pc.Result:
         """Write the gains; see `pacinian.Solver.solve`."""
-        problem = Problem(propagator, targets, limits, warm, budget, out)
+        arguments = SolveArguments(propagator, targets, limits, warm, budget, out)
         if targets.regions is not None:
-            return self._solve_regions(problem)
+            return self._solve_regions(arguments)
         mu = self.mu * propagator.power
         if not mu:
             return pc.Result(note="no transducer reaches the points")
@@ -95,19 +96,19 @@ class Lagrange(pc.Solver):
             steps = back_propagate(propagator, targets, limits, phases, budget, out)
             return pc.Result(iterations=steps, late=True, note=NO_GRAM_MATRIX)
         if len(targets.amplitudes) > len(out) or (
-            problem.strongest and not (targets.all_free and targets.amplitudes.min() > 0.0)
+            arguments.strongest and not (targets.all_free and targets.amplitudes.min() > 0.0)
         ):
-            return self._solve_constrained(problem, mu)
-        result = self._solve_free_phases(problem, mu)
-        if problem.strongest and not limits.solver_limits and not budget.spent:
-            return self._strengthen_from_nearest(problem, mu, result)
+            return self._solve_constrained(arguments, mu)
+        result = self._solve_free_phases(arguments, mu)
+        if arguments.strongest and not limits.solver_limits and not budget.spent:
+            return self._strengthen_from_nearest(arguments, mu, result)
         return result
 
-    def _solve_free_phases(self, problem: Problem, mu: float) -> pc.Result:
+    def _solve_free_phases(self, arguments: SolveArguments, mu: float) -> pc.Result:
         """Write the gains, under the gain limit alone if that is enough, else under all limits."""
-        propagator, _, limits, _, budget, out = problem
-        result, done = self._solve_gain_limited(problem, mu)
-        violated = problem.has_violation()
+        propagator, _, limits, _, budget, out = arguments
+        result, done = self._solve_gain_limited(arguments, mu)
+        violated = arguments.has_violation()
         if done and not violated:
             return result
         if budget.spent:
@@ -115,26 +116,28 @@ class Lagrange(pc.Solver):
         first = out.copy()
         made = propagator.apply(out).astype(np.complex128)
         phases = None if violated else np.asarray(np.angle(made), np.float64)
-        second = self._solve_constrained(problem, mu, phases)
-        if problem.strongest and not limits.solver_limits:
-            return _choose_stronger(problem, (first, result), second)
+        second = self._solve_constrained(arguments, mu, phases)
+        if arguments.strongest and not limits.solver_limits:
+            return _choose_stronger(arguments, (first, result), second)
         return second
 
-    def _strengthen_from_nearest(self, problem: Problem, mu: float, result: pc.Result) -> pc.Result:
+    def _strengthen_from_nearest(
+        self, arguments: SolveArguments, mu: float, result: pc.Result
+    ) -> pc.Result:
         """Return `result`, or a stronger one if the gains in `out` are hardly stronger than a single focus.
 
         The phases of points that are closer than the array resolves can end where full drive makes hardly any sound.
         Then the gains that come nearest to targets of the norm that a focus has, of any phases, have better ones.
         """
-        propagator, targets, limits, _, budget, out = problem
-        reach = float(problem.compute_reach().min())
+        propagator, targets, limits, _, budget, out = arguments
+        reach = float(arguments.compute_reach().min())
         if not reach:
             return result  # no sound comes to one of the points
         first = out.copy()
         enforce_limits(first, limits, targets.scale)
-        kept, strength = problem.rank(first)
+        kept, strength = arguments.rank(first)
         few = len(targets.amplitudes) <= MAX_CLOSE_POINTS
-        close = few and problem.coherence > MIN_CLOSE_COHERENCE
+        close = few and arguments.coherence > MIN_CLOSE_COHERENCE
         enough = MIN_CLOSE_STRENGTH if close else MIN_STRENGTH
         if kept and strength >= enough * reach:
             return result
@@ -148,12 +151,12 @@ class Lagrange(pc.Solver):
             asked = targets.amplitudes * (level / targets.norm)
             nearest = dataclasses.replace(targets, amplitudes=asked, scale="exact")
             found, _ = self._solve_gain_limited(
-                problem._replace(targets=nearest, warm=None), mu, starts=0
+                arguments._replace(targets=nearest, warm=None), mu, starts=0
             )
             made = np.asarray(np.angle(propagator.apply(out)), np.float64)
             # no proof: bound and objective are for these targets
             found = found._replace(bound=math.nan, objective=math.nan, multipliers=None)
-            better = _choose_stronger(problem, (first, result), found)
+            better = _choose_stronger(arguments, (first, result), found)
             if better is found:
                 met, phases = level, made
             else:
@@ -164,20 +167,20 @@ class Lagrange(pc.Solver):
         if phases is None:
             return result
         return _choose_stronger(
-            problem, (first, result), self._solve_constrained(problem, mu, phases)
+            arguments, (first, result), self._solve_constrained(arguments, mu, phases)
         )
 
-    def _solve_regions(self, problem: Problem) -> pc.Result:
+    def _solve_regions(self, arguments: SolveArguments) -> pc.Result:
         """Write the gains for targets with regions, whose phases are all given."""
-        result = regions.solve(problem, self.mu_regions)
-        if not problem.has_violation():
+        result = regions.solve(arguments, self.mu_regions)
+        if not arguments.has_violation():
             return result
-        if problem.budget.spent:
+        if arguments.budget.spent:
             return result._replace(late=True)  # the time may have run out just now
-        return self._solve_constrained(problem, self.mu_regions * problem.propagator.power)
+        return self._solve_constrained(arguments, self.mu_regions * arguments.propagator.power)
 
     def _solve_gain_limited(
-        self, problem: Problem, mu: float, starts: int | None = None
+        self, arguments: SolveArguments, mu: float, starts: int | None = None
     ) -> tuple[pc.Result, bool]:
         """Write the gains for the gain limit alone; return the result and whether it is final.
 
@@ -186,20 +189,20 @@ class Lagrange(pc.Solver):
         For `scale="max"`, it is final if the proportions are kept at nearly full drive, or, in a loop, at any drive.
         Otherwise a stronger solution may exist.
         """
-        propagator, targets, limits, warm, budget, out = problem
+        propagator, targets, limits, warm, budget, out = arguments
         if starts is None:
             starts = self.starts if warm is None else 0
         M, N = len(targets.amplitudes), len(out)
         key = Workspace, M, N
         workspace = acquire(key, lambda: Workspace(M, N))
-        scale, unit = self._start(problem, mu, workspace)
+        scale, unit = self._start(arguments, mu, workspace)
         single = out.dtype == np.complex64
         newton = GainLimitedNewton(
             propagator.single, propagator.gram, mu, workspace, budget,
             unit / max(scale, 1.0), out if single else np.empty(N, np.complex64),
             starts=starts,
         )  # fmt: skip
-        strongest = problem.strongest and workspace.free.all()
+        strongest = arguments.strongest and workspace.free.all()
         outcome = newton.solve_strongest() if strongest else newton.run()
         bound, objective = outcome.bound, outcome.objective
         if not single:
@@ -222,12 +225,14 @@ class Lagrange(pc.Solver):
         min_drive_fraction = NEARLY_FULL_DRIVE if warm is None else 0.0
         return result, not strongest or outcome.drive_fraction > min_drive_fraction
 
-    def _start(self, problem: Problem, mu: float, workspace: Workspace) -> tuple[float, float]:
+    def _start(
+        self, arguments: SolveArguments, mu: float, workspace: Workspace
+    ) -> tuple[float, float]:
         """Write the targets, in units of the gain limit, and the multipliers of the pseudo-inverse.
 
         Returns the factor that scales the targets into the range of single precision, and the unit [gain].
         """
-        propagator, targets, limits, warm, _, out = problem
+        propagator, targets, limits, warm, _, out = arguments
         M, N = len(targets.amplitudes), len(out)
         w, phases = workspace, None if warm is None else warm.phases
         if M <= MAX_START and limits.gain is not None:
@@ -246,15 +251,15 @@ class Lagrange(pc.Solver):
         return scale, unit
 
     def _solve_constrained(
-        self, problem: Problem, mu: float, phases: Floats | None = None
+        self, arguments: SolveArguments, mu: float, phases: Floats | None = None
     ) -> pc.Result:
         """Write the gains under all limits; for `scale="max"`, free phases are optimised from `phases`, (M,) [rad]."""
         from pacinian_plugins.solvers.lagrange.constrained import Constrained  # slow to import
 
-        limits, out, constrained = problem.limits, problem.out, Constrained.of(problem, mu)
-        if not problem.strongest:
+        limits, out, constrained = arguments.limits, arguments.out, Constrained.of(arguments, mu)
+        if not arguments.strongest:
             found = constrained.solve_nearest(self.rounds)
-        elif problem.targets.regions is None:
+        elif arguments.targets.regions is None:
             found = constrained.solve_strongest(phases)
         else:
             found = constrained.solve_strongest_uniform()
@@ -265,9 +270,9 @@ class Lagrange(pc.Solver):
         return pc.Result(
             iterations=answer.steps,
             limited=reached and (saturated_count > 0 or limits.couples_gains),
-            late=answer.late or problem.budget.spent,
-            bound=math.nan if problem.strongest else unit**2 * found.bound,
-            objective=math.nan if problem.strongest else unit**2 * found.objective,
+            late=answer.late or arguments.budget.spent,
+            bound=math.nan if arguments.strongest else unit**2 * found.bound,
+            objective=math.nan if arguments.strongest else unit**2 * found.objective,
             mu=mu,
             note=describe_saturation(saturated_count, len(out)),
             unproven=found.unproven,
@@ -275,13 +280,15 @@ class Lagrange(pc.Solver):
 
 
 def _choose_stronger(
-    problem: Problem, before: tuple[pc.Gains, pc.Result], result: pc.Result
+    arguments: SolveArguments, before: tuple[pc.Gains, pc.Result], result: pc.Result
 ) -> pc.Result:
     """Return the result of the stronger gains, in proportion, and write them: those in `out`, or those `before`."""
     first, its_result = before
-    for g in (first, problem.out):
-        enforce_limits(g, problem.limits, problem.targets.scale)  # compare both at full strength
-    if problem.rank(problem.out) < problem.rank(first):
-        problem.out[:] = first
+    for g in (first, arguments.out):
+        enforce_limits(
+            g, arguments.limits, arguments.targets.scale
+        )  # compare both at full strength
+    if arguments.rank(arguments.out) < arguments.rank(first):
+        arguments.out[:] = first
         return its_result
     return result

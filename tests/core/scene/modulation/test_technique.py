@@ -75,7 +75,7 @@ def positions(shown: list[Samples]) -> Floats:
 def test_still_techniques_give_the_very_samples(t: float, M: int) -> None:
     samples = patch(M)
     for technique in (Simultaneous(), AM(50.0, 0.5)):
-        assert technique.still
+        assert technique.keeps_places
         assert not technique.single
         assert technique.step(t) is None
         assert present(technique, samples, t) is samples
@@ -95,7 +95,7 @@ def test_am_is_a_sine_from_its_lowest_1_less_its_depth(
 
 @each_moving
 def test_what_moves_does_not_change_in_strength(technique: Any) -> None:
-    assert not technique.still
+    assert not technique.keeps_places
     assert (technique.factor(np.linspace(-1.0, 1.0, 9)) == 1.0).all()
     assert technique.single == isinstance(technique, STM)
     assert len(present(technique, no_samples(), 0.3)) == 0

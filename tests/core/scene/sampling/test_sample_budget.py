@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 import pacinian as pc
 from pacinian.scene.modulation.technique import STM
 from pacinian.scene.objects import Particles
-from pacinian.scene.sampling.sample_budget import allot_budget
+from pacinian.scene.sampling.sample_budget import allot_budget, make_all_samples
 from pacinian.scene.sampling.sample_cache import SampleCache
 from pacinian.scene.sampling.sample_counts import SampleCounts, label_object
 from pacinian.scene.sampling.sample_sources import WholeObject
@@ -68,9 +68,9 @@ objects = st.lists(
 @given(items=objects, budgets=st.lists(st.integers(1, 300), min_size=1, max_size=5))
 @bounded
 def test_there_are_never_more_than_the_budget(items: Any, budgets: Any) -> None:
-    levels: dict[int, int] = {}
+    coarseness: dict[int, int] = {}
     for budget in budgets:
-        parts = allot_budget(given_by(*items), budget, levels, whole, SampleCounts())
+        parts = allot_budget(given_by(*items), budget, coarseness, whole, SampleCounts())
         assert sounded(items, parts) <= budget
         if budget >= 4 * len(items) and len({item.priority for item in items}) == 1:
             assert all(len(part) for part in parts)  # coarser, but none is left out
@@ -91,45 +91,45 @@ def test_what_is_of_lower_priority_takes_nothing_from_what_is_higher(
 @given(items=objects, budget=st.integers(1, 300))
 @bounded
 def test_the_same_is_shared_out_alike_for_ever(items: Any, budget: int) -> None:
-    levels: dict[int, int] = {}
-    for _ in range(20):  # until levels fit the budget
-        first = allot_budget(given_by(*items), budget, levels, whole, SampleCounts())
+    coarseness: dict[int, int] = {}
+    for _ in range(20):  # until coarseness fit the budget
+        first = allot_budget(given_by(*items), budget, coarseness, whole, SampleCounts())
     for _ in range(3):
-        again = allot_budget(given_by(*items), budget, levels, whole, SampleCounts())
+        again = allot_budget(given_by(*items), budget, coarseness, whole, SampleCounts())
         for a, b in zip(first, again, strict=True):
             assert np.array_equal(a.keys, b.keys)
 
 
 def test_what_trembles_about_the_budget_changes_its_spacing_once() -> None:
-    levels: dict[int, int] = {}
+    coarseness: dict[int, int] = {}
     seen = []
     for i in range(40):
         items = [disc(0.1 * (1.0 + 0.1 * (-1) ** i))]
-        allot_budget(given_by(*items), 310, levels, whole, SampleCounts())
-        seen.append(levels[0])
+        allot_budget(given_by(*items), 310, coarseness, whole, SampleCounts())
+        seen.append(coarseness[0])
     assert np.count_nonzero(np.diff(seen)) <= 1
 
 
 def test_it_becomes_finer_again_when_there_is_room() -> None:
-    levels: dict[int, int] = {}
-    full = allot_budget(given_by(disc(0.1)), 400, levels, whole, SampleCounts())
-    allot_budget(given_by(disc(0.1)), 40, levels, whole, SampleCounts())
-    coarse = levels[0]
+    coarseness: dict[int, int] = {}
+    full = allot_budget(given_by(disc(0.1)), 400, coarseness, whole, SampleCounts())
+    allot_budget(given_by(disc(0.1)), 40, coarseness, whole, SampleCounts())
+    coarse = coarseness[0]
     assert coarse > 0
     for _ in range(coarse + 1):
-        again = allot_budget(given_by(disc(0.1)), 1000, levels, whole, SampleCounts())
-    assert levels[0] == 0
+        again = allot_budget(given_by(disc(0.1)), 1000, coarseness, whole, SampleCounts())
+    assert coarseness[0] == 0
     assert np.array_equal(again[0].keys, full[0].keys)
 
 
 @given(items=objects, budgets=st.lists(st.integers(1, 60), min_size=1, max_size=4))
 @bounded
 def test_of_each_object_what_is_asked_is_rendered_or_has_a_reason(items: Any, budgets: Any) -> None:
-    levels: dict[int, int] = {}
+    coarseness: dict[int, int] = {}
     full = [len(source.at(spacing)) for source, spacing in given_by(*items)]
     for budget in budgets:
         counts, sources = SampleCounts(tuple(items)), given_by(*items)
-        parts = allot_budget(sources, budget, levels, whole, counts, full=100_000)
+        parts = allot_budget(sources, budget, coarseness, whole, counts, full=100_000)
         assert len(counts.objects) == len(items)
         for (source, _), part, asked in zip(sources, parts, full, strict=True):
             one = counts.objects[label_object(source.item, source.index)]
@@ -139,17 +139,31 @@ def test_of_each_object_what_is_asked_is_rendered_or_has_a_reason(items: Any, bu
 
 @given(items=objects, budget=st.integers(1, 300))
 @bounded
-def test_if_strict_all_is_rendered_or_refused_by_name(items: Any, budget: int) -> None:
-    sources, counts, levels = given_by(*items), SampleCounts(tuple(items)), {0: 3}
+def test_all_samples_are_made_or_one_is_refused_by_name(items: Any, budget: int) -> None:
+    sources, counts = given_by(*items), SampleCounts(tuple(items))
     if sounded(items, allot_budget(sources, 10**6, {}, whole, SampleCounts(tuple(items)))) > budget:
         with pytest.raises(pc.ArgumentError) as refused:
-            allot_budget(sources, budget, levels, whole, counts, strict=True)
+            make_all_samples(sources, budget, whole, counts)
         labels = [label_object(item, i) for i, item in enumerate(items)]
         assert any(repr(label) in str(refused.value) for label in labels)
     else:
-        parts = allot_budget(sources, budget, levels, whole, counts, strict=True)
+        parts = make_all_samples(sources, budget, whole, counts)
         assert counts.clean
         assert [len(p) for p in parts] == [len(source.at(spacing)) for source, spacing in sources]
+
+
+@pytest.mark.parametrize("fine", [True, False])
+def test_the_refusal_says_how_much_of_the_budget_a_contact_may_use(fine: bool) -> None:
+    ball = pc.Volume(shape=pc.Sphere(0.03), pose=pc.Pose((0.0, 0.0, 0.2)), radiation_pressure=6.0)
+    scene = pc.Scene((ball,), hands=(pc.Hand.open("right", pc.Pose((0.0, 0.0, 0.2))),))
+    sampler = pc.Sampler(budget=10)
+    sampler.prepare(pc.autd(), pc.Air())
+    sampler.mode = sampler.mode._replace(strict=True, fine=fine)
+    with pytest.raises(pc.ArgumentError) as refused:
+        sampler.sample(scene)
+    left, share = (15, "150%") if fine else (8, "80%")
+    assert f"the budget leaves {left}; raise" in str(refused.value)
+    assert f"may use {share}" in str(refused.value)
 
 
 def test_the_weakest_of_one_object_are_dropped() -> None:
@@ -191,12 +205,12 @@ def test_those_with_the_least_force_are_dropped_of_equals_the_last(
 @bounded
 def test_nothing_is_made_coarser_than_it_is_large(items: Any, budget: int) -> None:
     """Otherwise the object would stay coarse for a long time after there is room again."""
-    levels: dict[int, int] = {}
+    coarseness: dict[int, int] = {}
     for _ in range(3):
-        allot_budget(given_by(*items), budget, levels, whole, SampleCounts())
-    for priority, level in levels.items():
+        allot_budget(given_by(*items), budget, coarseness, whole, SampleCounts())
+    for priority, steps in coarseness.items():
         size = max(2.0 * item.bounding_radius for item in items if item.priority == priority)
-        assert level == 0 or SPACING * math.sqrt(2.0) ** (level - 1) < size
+        assert steps == 0 or SPACING * math.sqrt(2.0) ** (steps - 1) < size
 
 
 def test_foci_that_run_count_as_one_each_and_keep_their_fineness() -> None:
@@ -207,9 +221,9 @@ def test_foci_that_run_count_as_one_each_and_keep_their_fineness() -> None:
 
 def test_points_and_foci_that_run_keep_their_keys_while_others_get_coarser() -> None:
     items = [point(), disc(0.05, technique=STM(50.0)), disc(0.2)]
-    levels: dict[int, int] = {}
+    coarseness: dict[int, int] = {}
     fine, coarse = (
-        allot_budget(given_by(*items), n, levels, whole, SampleCounts()) for n in (2000, 50)
+        allot_budget(given_by(*items), n, coarseness, whole, SampleCounts()) for n in (2000, 50)
     )
     for mine, again in zip(fine[:2], coarse[:2], strict=True):
         assert np.array_equal(mine.keys, again.keys)

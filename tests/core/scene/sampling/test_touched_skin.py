@@ -11,7 +11,7 @@ from scipy.spatial import KDTree
 import pacinian as pc
 from pacinian.scene.hands.capsule_skin import CapsuleSkin
 from pacinian.scene.hands.capsules import make_capsules
-from pacinian.scene.sampling.touched_skin import INNER, OUTER
+from pacinian.scene.sampling.touched_skin import INNER, OUTER, TouchedSkinObserver
 from pacinian_lab.regions import skin
 from pacinian_lab.regions.contacts import CONTACTS
 
@@ -27,9 +27,8 @@ BALL = pc.Volume(
 
 
 def scatter(*items: Any, count: int = 4000, **how: Any) -> pc.Samples:
-    sampler = pc.Sampler(perception=False)
-    sampler.prepare(ARRAY, AIR)
-    return sampler.scatter_places(pc.Scene(items, **({"hands": (HAND,)} | how)), 0.0, count)
+    observer = TouchedSkinObserver(ARRAY, AIR)
+    return observer.scatter_places(pc.Scene(items, **({"hands": (HAND,)} | how)), 0.0, count)
 
 
 def find_touched(item: pc.Volume) -> tuple[Any, Any]:

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from pacinian.errors import WireError
-from pacinian.serving.bus.admission import BusSession
 from pacinian.serving.bus.conversion_queue import Converter
 from pacinian.serving.bus.dispatcher import carry_out
+from pacinian.serving.bus.message_admission import BusSession
 from pacinian.serving.bus.scene_snapshot import MAX_SNAPSHOT_BYTES, make_snapshot
 from pacinian.serving.bus.shared_scene import SharedScene
 from pacinian.serving.ipc.messages import SessionInfo

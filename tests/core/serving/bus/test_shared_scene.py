@@ -14,7 +14,7 @@ from pacinian.serving.bus.shared_scene import (
     SharedScene,
 )
 from pacinian.serving.bus.stored_object import TooStrong, make_error_reply
-from pacinian.serving.settings import Clients, Safety, Settings, Zone
+from pacinian.serving.settings import ClientLimits, Safety, Settings, Zone
 from pacinian.wire import objects, shapes
 from pacinian.wire.binary_arrays import pack
 from pacinian.wire.commands import Clear, HandFrame, Move
@@ -24,7 +24,9 @@ from pacinian.wire.protocol import MAX_ZONES
 
 from ..fake_renderer import KEY, client, hands, move, point, put, quiet, remove, room_of, wrap
 
-SMALL = Settings(clients=Clients(max_objects=5, max_client_objects=3), safety=Safety(pressure=50.0))
+SMALL = Settings(
+    clients=ClientLimits(max_objects=5, max_client_objects=3), safety=Safety(pressure=50.0)
+)
 JOINTS = pack(pc.Hand.open().joints)  # type: ignore[arg-type]
 
 

@@ -17,7 +17,7 @@ from msgspec.structs import replace
 from pacinian.errors import ServerError
 from pacinian.serving.control import process as control_process
 from pacinian.serving.control.metrics import MAX_CONNECTIONS
-from pacinian.serving.settings import Clients, Log, Metrics, Safety, Settings
+from pacinian.serving.settings import ClientLimits, Log, Metrics, Safety, Settings
 from pacinian.wire.control import (
     Arm,
     Bye,
@@ -142,7 +142,7 @@ def test_malformed_requests_are_answered_with_where(server: Any) -> None:
 
 
 def test_one_who_asks_too_much_is_told_and_still_can_stop(start_server: Any) -> None:
-    server = start_server(replace(PATIENT, clients=Clients(max_rate=20.0)))
+    server = start_server(replace(PATIENT, clients=ClientLimits(max_rate=20.0)))
     game = server.client().hello()
     game.ask(Arm)
     for i in range(300):

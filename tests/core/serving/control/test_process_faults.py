@@ -277,7 +277,7 @@ class Bench:
 
     @property
     def why(self) -> str:
-        return self.loop.publisher.make_state(self.clock.now(), {}).why
+        return self.loop.state_builder.make_state(self.clock.now(), {}).why
 
 
 @pytest.fixture
@@ -299,7 +299,7 @@ def test_a_renderer_that_meets_the_devices_fault_after_a_reset_has_no_fault_of_i
     assert "carrying out a reset. Sound returns when that is done" in bench.why
     bench.report(guard=1, render=1)
     assert bench.armed
-    assert bench.loop.publisher.faults == ["device: is loud"]
+    assert bench.loop.state_builder.faults == ["device: is loud"]
 
 
 def test_a_renderer_that_is_halted_after_it_has_carried_out_the_reset_has_a_new_fault(
@@ -347,7 +347,7 @@ def test_a_fault_that_is_seen_when_a_stop_is_confirmed_needs_a_reset(bench: Benc
     bench.report_device("is loud", 1, {})
     bench.loop.sessions.lease.stop()
     bench.loop._confirm_stops(bench.clock.now())
-    assert bench.loop.publisher.faults == ["device: is loud"]
+    assert bench.loop.state_builder.faults == ["device: is loud"]
     assert "fault: device: is loud. Remove its cause, then reset" in bench.why
 
 

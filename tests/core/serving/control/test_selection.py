@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from pacinian.scene.config_sections import PluginConfig
-from pacinian.serving.control.output_lease import ClientSession
+from pacinian.serving.control.client_session import ClientSession
 from pacinian.serving.control.selection import (
     MAX_PENDING,
     MAX_SELECTION_TIME,

@@ -13,12 +13,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import pacinian as pc
+from pacinian.rendering.row_times import MAX_SERVER_ROWS
 from pacinian.scene.config_sections import PluginConfig
 from pacinian.serving.guard.output_gate import MAX_INPUTS, OutputGate
 from pacinian.serving.guard.process import REPORT_INTERVAL, REST_REPORT_INTERVAL, GuardLoop
 from pacinian.serving.ipc.messages import (
     CAPACITIES,
-    MAX_ROWS,
     DeviceStatus,
     FrameHead,
     Permit,
@@ -266,7 +266,7 @@ def test_an_empty_frame_is_no_fault_and_not_stale() -> None:
 BAD: dict[str, Callable[[Bench], bytes]] = {
     "above the gain limit": lambda bench: bench.frame(amplitude=128),
     "phase beyond the device": lambda bench: bench.frame(phase=256),
-    "too many rows": lambda bench: bench.frame(rows=MAX_ROWS + 1),
+    "too many rows": lambda bench: bench.frame(rows=MAX_SERVER_ROWS + 1),
     "negative rows": lambda bench: FrameHead(1, 0.0, 1, 1, -1, N).pack(),
     "fewer columns": lambda bench: bench.frame(columns=N - 1),
     "cut off": lambda bench: bench.frame()[:-1],

@@ -13,8 +13,8 @@ import pytest
 from msgspec.structs import replace
 
 from pacinian.scene.config_sections import PluginConfig
-from pacinian.serving.guard.spare_guard import CHECK_INTERVAL
-from pacinian.serving.ipc.hang_detection import MAX_CHECK_GAP, HangDetector
+from pacinian.serving.guard.spare_guard import CHECK_INTERVAL, HangDetector
+from pacinian.serving.ipc.hang_detection import MAX_CHECK_GAP
 from pacinian.serving.ipc.messages import DeviceStatus, Selections, pack
 from pacinian.wire.control import Choice as Selected
 

@@ -18,7 +18,7 @@ TimedFrames = tuple[Any, int]
 """Frames of the packages, and the row of the tick at which they are due."""
 
 
-class Stream:
+class RowCommands:
     """Generates the commands for the units of a geometry. rate: rows per second [Hz].
 
     A row is a pattern in bank B0 that plays until the next one; a row that is already playing is not sent again.

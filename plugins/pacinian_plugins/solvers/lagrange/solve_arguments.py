@@ -1,4 +1,7 @@
-"""One problem: the arguments of `pacinian.Solver.solve`, questions about its gains, and the note on their limit."""
+"""The arguments of `pacinian.Solver.solve`, questions about its gains, and the note on their limit.
+
+The solver's options, such as mu, and their defaults are in solver.py.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,7 @@ if TYPE_CHECKING:
 POWER_TOLERANCE = 1.0 + 1e-6  # factor on the power limit that allows for rounding
 
 
-class Problem(NamedTuple):
+class SolveArguments(NamedTuple):
     """The arguments of `pacinian.Solver.solve`."""
 
     propagator: pc.Propagator

@@ -12,9 +12,9 @@ import pytest
 
 import pacinian as pc
 import pacinian_lab.study as ps
-from pacinian_lab.study.file import Method, Study, read, schema
 from pacinian_lab.study.layouts import Autd, Lattice
 from pacinian_lab.study.patterns import Focus, Points
+from pacinian_lab.study.study_file import Method, Study, read, schema
 from pacinian_lab.study.sweep import entries
 from pacinian_lab.study.tasks import Plan
 

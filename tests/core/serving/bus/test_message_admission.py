@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pacinian.serving.bus.admission import ERROR_RATE, PeerRateLimiter
+from pacinian.serving.ipc.rate_limit import ERROR_RATE, PeerRateLimiter
 from pacinian.wire.replies import Error
 
 from ..fake_renderer import client, move
@@ -72,3 +72,13 @@ def test_connections_send_at_their_rate_and_only_so_many_are_remembered() -> Non
         peers.allows(str(i).encode(), 3.0)
         peers.should_report(str(i).encode(), 3.0)
     assert len(peers) == 10
+
+
+def test_the_connection_that_was_silent_for_the_longest_time_is_forgotten_first() -> None:
+    peers = PeerRateLimiter(rate=1.0, most=2)
+    assert peers.allows(b"a", 0.0)
+    assert peers.allows(b"b", 0.0)
+    assert not peers.allows(b"a", 0.0)
+    assert peers.allows(b"c", 0.0)  # takes the place of b
+    assert not peers.allows(b"a", 0.0)
+    assert peers.allows(b"b", 0.0)  # as a new connection

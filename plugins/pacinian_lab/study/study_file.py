@@ -11,11 +11,11 @@ from msgspec.structs import replace
 
 from pacinian.acoustics.propagation import Precision
 from pacinian.argument_checks import check_integer, check_length, check_number
+from pacinian.config_files import decode_document, json_schema
 from pacinian.devices.description import LevelCounts, TransducerType
 from pacinian.errors import ArgumentError
 from pacinian.plugins import registry
 from pacinian.scene.config_sections import Medium
-from pacinian.toml_json_files import decode_document, json_schema
 from pacinian_lab.study.layouts import AnyLayout, Device
 from pacinian_lab.study.patterns import AnyPattern
 from pacinian_lab.study.planes import Plane

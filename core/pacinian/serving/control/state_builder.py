@@ -1,113 +1,41 @@
-"""The published state, assembled from the statuses of the server's processes."""
+"""Builds the published state from the statuses of the server's processes."""
 
 from __future__ import annotations
 
-import struct
-from typing import TYPE_CHECKING, Any, TypeVar, get_args
+from typing import TYPE_CHECKING, Any, get_args
 
 import msgspec
 import numpy as np
-from msgspec import Struct
 from msgspec.structs import replace
 
 from pacinian.acoustics.directivity import DIRECTIVITIES
 from pacinian.scene.modulation.presets import PRESETS
 from pacinian.serving.control.explain_silence import find_cause
-from pacinian.serving.ipc.messages import (
-    HEAD_BYTES,
-    BusStatus,
-    DeviceStatus,
-    FrameHead,
-    RendererStatus,
-)
+from pacinian.serving.ipc.messages import HAND_UPDATE
 from pacinian.wire.binary_arrays import pack
 from pacinian.wire.modulation import Technique
 from pacinian.wire.replies import Abilities, Sound
 from pacinian.wire.state import ClientState, FrameState, State
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
     from pacinian.acoustics.air import Air
     from pacinian.acoustics.array import Array
+    from pacinian.serving.control.process_statuses import ProcessStatuses
     from pacinian.serving.control.sessions import ClientSessions
-    from pacinian.serving.ipc.shared_memory import SharedRegister
     from pacinian.serving.settings import Settings
     from pacinian.wire.state import Output
-
-S = TypeVar("S", bound=Struct)
 
 # Number of faults shown.
 MAX_FAULTS = 8
 MAX_TEXT, MAX_NAME = 500, 200  # maximum characters of a fault, and of a backend's name
-INPUT_BYTES = 32  # size of one hand update in `State.inputs` [bytes]
 CONTROL_FIELDS = frozenset(
     {"id", "sequence", "time", "output", "armed", "owner", "scene", "backend"}
 )
-NO_DEVICE = DeviceStatus(0, 0, "", 0, 0, 0.0, None, -float("inf"), sounding=False)
-NO_RENDERER_STATUS = RendererStatus(-float("inf"), {})
-NO_BUS_STATUS = BusStatus(-float("inf"))
-NO_FRAME = FrameHead(0, 0.0, 0, 0, 0, 0)
 
 
-class ProcessStatuses:
-    """The newest statuses of the other processes. Values that cannot be read are counted and skipped.
-
-    guarded: whether the guard that sent `device` still runs.
-    """
-
-    def __init__(self, memory: Mapping[str, SharedRegister]) -> None:
-        self.renderer_status, self.device, self.bus_status = (
-            NO_RENDERER_STATUS,
-            NO_DEVICE,
-            NO_BUS_STATUS,
-        )
-        self.frame, self.levels = NO_FRAME, b""
-        self.unreadable, self.guarded = 0, True
-        self._memory = memory
-        self._numbers = dict.fromkeys(memory, 0)
-
-    def look(self) -> None:
-        """Read the new statuses, except the frame. The known plug-ins are kept while a process restarts."""
-        new, known = (
-            self._read("renderer_status", self.renderer_status),
-            self.renderer_status.solvers,
-        )
-        self.renderer_status = new if new.solvers else replace(new, solvers=known)
-        self.device = self._read("device", self.device)
-        self.bus_status = self._read("bus_status", self.bus_status)
-
-    def look_at_frame(self) -> None:
-        """Read the newest frame."""
-        if new := self._memory["frame"].read(self._numbers["frame"]):
-            self._numbers["frame"], data = new
-            try:
-                self.frame, self.levels = FrameHead.unpack(data), data[HEAD_BYTES:]
-            except struct.error:
-                self.unreadable += 1
-
-    def _read(self, name: str, old: S) -> S:
-        if not (new := self._memory[name].read(self._numbers[name])):
-            return old
-        self._numbers[name], data = new
-        try:
-            return msgspec.msgpack.decode(data, type=type(old))
-        except (msgspec.DecodeError, ValueError):
-            self.unreadable += 1
-            return old
-
-    @property
-    def any_fault(self) -> bool:
-        """Whether the device or the renderer reports a fault."""
-        return bool(self.device.fault or self.renderer_status.halted)
-
-    @property
-    def results(self) -> dict[str, str]:
-        """Results of selections and resets, by "kind number"."""
-        return {**self.renderer_status.results, **self.device.results}
-
-
-class StatusPublisher:
+class StateBuilder:
     """Builds the published messages. faults: the server's own, newest last. fault_count: number of its own faults."""
 
     def __init__(
@@ -131,7 +59,7 @@ class StatusPublisher:
         self.fault_count += 1
 
     def find_output(self) -> Output:
-        """Return the output state: the first true one, from worst to best, in the order of the wire's `OUTPUTS`.
+        """Return the output state: the first true one, from worst to best: the reverse of the order of `OUTPUTS`.
 
         It is faulted without a guard or a device, and while a process still reports a fault that was reset.
         """
@@ -206,9 +134,9 @@ class StatusPublisher:
         device = self._statuses.device
         if device.input_count < self._input_count:  # a new guard counts from 0
             self._input_count = 0
-        new = min(device.input_count - self._input_count, len(device.inputs) // INPUT_BYTES)
+        new = min(device.input_count - self._input_count, len(device.inputs) // HAND_UPDATE.size)
         self._input_count = device.input_count
-        return device.inputs[len(device.inputs) - INPUT_BYTES * new :]
+        return device.inputs[len(device.inputs) - HAND_UPDATE.size * new :]
 
     def _describe_clients(self, now: float) -> tuple[ClientState, ...]:
         known, made = self._statuses.bus_status.clients, list[ClientState]()

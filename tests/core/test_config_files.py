@@ -8,7 +8,7 @@ import msgspec
 import pytest
 
 import pacinian as pc
-from pacinian.toml_json_files import decode_document
+from pacinian.config_files import decode_document
 
 if TYPE_CHECKING:
     from pathlib import Path

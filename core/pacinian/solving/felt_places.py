@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pacinian.acoustics.propagation import SAMPLE_TOUCHING_DISTANCE
 from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.errors import PointOnTransducer
 from pacinian.neighbours import find_nearest
+from pacinian.solving.felt_figures import MIN_FELT_SHARE, FeltRegion, FeltSums
 
 if TYPE_CHECKING:
     from numpy.random import Generator
     from scipy.spatial import KDTree
 
-    from pacinian.solving.problem import Targets
     from pacinian.solving.propagator import Propagator
+    from pacinian.solving.targets import Targets
     from pacinian.types import Complexes, Flags, Floats, Indices, Longs
 
 # Largest distance of neighbouring samples, relative to the distance to the nearest other sample.
@@ -26,81 +27,9 @@ MERGE_DISTANCE = 1e-4  # samples up to this far apart count as one place [m]
 # Number of nearest samples to query: the sample itself, up to 26 in the adjacent cells of the grid that may be within
 # MERGE_DISTANCE, and one that is not.
 NEAREST_QUERIED = 28
-TOUCHING_DISTANCE = 1e-5  # places up to this far from a transducer count as on it [m]
 # Distances of the places beside a region from the nearest sample [m].
 BESIDE_DISTANCES = 0.003, 0.004, 0.005
 BESIDE_DIRECTIONS = 12  # number of directions from a sample to places beside its region
-MIN_FELT_SHARE = 0.5  # share of the target below which a place counts as a hole
-# Largest relative error of the force, and largest rms error, of a region that is within tolerance: `FeltRegion.even`.
-MAX_FORCE_ERROR, MAX_RMS_ERROR = 0.05, 0.10
-
-
-class FeltRegion(NamedTuple):
-    """What is felt of one region, relative to its target. All pressures are radiation pressures.
-
-    force: relative to the target force; 1 is right. rms: root mean square error, relative to the root mean square of
-    the target. holes: fraction of the region with less than half the target. spill: highest pressure 3 to 5 mm beside
-    the region, relative to the mean target. Evaluated between the samples; by a loop on skin, over all touched skin
-    and 3 to 30 mm beside it. For a region with target 0: 1, 0, 0, 0.
-    """
-
-    force: float = 1.0
-    rms: float = 0.0
-    holes: float = 0.0
-    spill: float = 0.0
-
-    def __str__(self) -> str:
-        return (
-            f"force {self.force:.1%} of what was asked, rms error {self.rms:.1%}, "
-            f"{self.holes:.1%} holes, {self.spill:.0%} beside it"
-        )
-
-    @property
-    def even(self) -> bool:
-        """Whether the region is within the tolerance of status `ok`: force within 5 %, rms at most 0.10, no holes.
-
-        Solvers use another measure for the strongest even field (`scale="max"`): its error at the samples.
-        """
-        within = abs(self.force - 1.0) <= MAX_FORCE_ERROR and self.rms <= MAX_RMS_ERROR
-        return within and not self.holes
-
-
-class FeltSums(NamedTuple):
-    """Sums over weighted places, from which `FeltRegion` is computed; those of several points in time can be added.
-
-    places: sum of the weights of the places in the region. made, asked: of the squared sound pressure amplitudes,
-    achieved and target [Pa^2]. errors, squares: of the squares of their difference, and of `asked` [Pa^4]. holes: of
-    the weights of places with less than half the target. beside: highest squared amplitude beside the region [Pa^2].
-    """
-
-    places: float = 0.0
-    made: float = 0.0
-    asked: float = 0.0
-    errors: float = 0.0
-    squares: float = 0.0
-    holes: float = 0.0
-    beside: float = 0.0
-
-    def plus(self, other: FeltSums) -> FeltSums:
-        """Return the sums of both."""
-        return FeltSums(
-            self.places + other.places,
-            self.made + other.made,
-            self.asked + other.asked,
-            self.errors + other.errors,
-            self.squares + other.squares,
-            self.holes + other.holes,
-            max(self.beside, other.beside),
-        )
-
-    @property
-    def felt(self) -> FeltRegion:
-        """The figures of the region."""
-        if not self.asked:
-            return FeltRegion()
-        rms = math.sqrt(self.errors / self.squares)
-        mean = self.asked / self.places
-        return FeltRegion(self.made / self.asked, rms, self.holes / self.places, self.beside / mean)
 
 
 @dataclass(frozen=True, eq=False)
@@ -239,7 +168,7 @@ class FeltPlaces:
             propagator.set_points(self.points, self.facing)
         except PointOnTransducer:
             away = find_nearest(propagator.array.positions, self.points)[0]
-            left = np.flatnonzero(away > TOUCHING_DISTANCE)
+            left = np.flatnonzero(away > SAMPLE_TOUCHING_DISTANCE)
         else:
             return self
         facing = self.facing

@@ -1,6 +1,6 @@
-"""Admission of commands: session, sequence, age and rate. Pure: callers pass the time.
+"""Admission of commands: session, sequence number and age. Pure: callers pass the time.
 
-The highest rate is `Clients.max_rate` in settings.py.
+The rate: rate_limit.py in ipc/. Number of objects: shared_scene.py.
 """
 
 from __future__ import annotations
@@ -8,15 +8,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from pacinian.serving.ipc.clock_offset import ClockOffsetEstimator
-from pacinian.serving.ipc.rate_limit import TokenBucket
+from pacinian.serving.ipc.rate_limit import ERROR_RATE, TokenBucket
 from pacinian.wire.replies import Error
 
 if TYPE_CHECKING:
     from pacinian.serving.ipc.messages import SessionInfo
     from pacinian.wire.commands import AnyCommand
-
-# Rate of unsolicited errors to a client [1/s].
-ERROR_RATE = 10.0
 
 
 class BusSession:
@@ -74,30 +71,3 @@ class BusSession:
         """Count an error; return whether to send it: always if the client expects a reply, otherwise rate-limited."""
         self.errors += 1
         return bool(error.id) or self._telling.take(now)
-
-
-class PeerRateLimiter:
-    """Limits the message rate of each connection. Forgets the oldest connection when there are too many."""
-
-    def __init__(self, rate: float, most: int) -> None:
-        self._rate, self._most = rate, most
-        self._peers: dict[bytes, tuple[TokenBucket, TokenBucket]] = {}
-
-    def __len__(self) -> int:
-        return len(self._peers)
-
-    def allows(self, peer: bytes, now: float) -> bool:
-        """Return whether a connection may send another message at `now` [s]."""
-        return self._find(peer)[0].take(now)
-
-    def should_report(self, peer: bytes, now: float) -> bool:
-        """Return whether to send an error to a connection that has no session or sends too much."""
-        return self._find(peer)[1].take(now)
-
-    def _find(self, peer: bytes) -> tuple[TokenBucket, TokenBucket]:
-        known = self._peers.get(peer)
-        if known is None:
-            if len(self._peers) >= self._most:
-                del self._peers[next(iter(self._peers))]
-            known = self._peers[peer] = TokenBucket(self._rate), TokenBucket(ERROR_RATE)
-        return known
