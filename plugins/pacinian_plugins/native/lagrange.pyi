@@ -224,6 +224,14 @@ def start_region(t: Floats, phases: Floats, beside: Flags, scale: float, quiet: 
     these multipliers.
     """
 
+def find_loudest(points: Floats, regions: Longs, p: Complexes, made: Floats, near: float) -> float:
+    """
+    The highest pressure at silent samples, relative to the mean of the nearest region.
+
+    points: (M, 3) [m]. regions: their numbers, (M,). p: targets, (M,). made: what is made, real and imaginary part, (2, M).
+    near: samples nearer to a region do not count [m].
+    """
+
 MAX_START: int = 16
 
 def start(G: Complexes, t: Floats, phi: Floats, first: Floats, steps: int, mu: float, relative: float, unit: float, workspace: Workspace) -> float:

@@ -358,7 +358,9 @@ def test_conjugate_gradients_with_and_without_a_preconditioner_agree(M, monkeypa
     plain = solve()
     difference = np.abs(helped.sound_pressure - plain.sound_pressure).max()
     assert difference < 0.03 * 20.0
-    assert max(helped.bound, plain.bound) <= helped.objective <= 1.03 * plain.objective
+    rounding = 1.0 + 1e-6  # of single precision
+    assert max(helped.bound, plain.bound) <= rounding * helped.objective
+    assert helped.objective <= 1.03 * plain.objective
 
 
 # ---------------------------------------------------------------------- without time

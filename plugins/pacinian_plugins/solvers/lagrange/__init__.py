@@ -6,6 +6,7 @@ gain_limited_newton.py  the gain limit alone: Newton steps, their largest number
 multistart.py           starting phases that it tries for few samples, if the first ones do not suffice
 regions.py              regions: least squares with all phases given, by conjugate gradients
 strongest_uniform.py    `scale="max"` for regions: the strongest even distribution
+quiet_factor.py         what the quiet factor is, and how it adapts: called by regions.py
 constrained.py          power limit, quiet points, exact samples, more samples than transducers: by convex/
 lbfgs_phases.py         `scale="max"` for free phases: local search by L-BFGS, called by constrained.py
 reference.py            Newton steps in double precision, NumPy

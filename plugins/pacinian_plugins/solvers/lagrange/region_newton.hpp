@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "pacinian/native/math.hpp"
@@ -28,6 +30,7 @@ constexpr Index MIN_PASSES = 4;        // conjugate gradients taken even without
 constexpr Index MAX_KEPT = 1 << 22;    // elements of B whose copy is kept for the next call
 constexpr f8 ARMIJO = 1e-4;            // least share of the expected increase
 constexpr f8 MIN_STEP = 1e-6;          // shortest step
+constexpr i8 SILENT = -2;              // region number of silent samples, as `pacinian.region_numbers.BESIDE`
 constexpr f8 HELD = 1.0 - 1e-5;        // |h| from which a transducer is at its limit, as `pacinian.solving.solution_metrics.AT_LIMIT`
 
 struct Sum {
@@ -372,6 +375,34 @@ inline void start_region(View<const f8, 1> t, View<const f8, 1> phases, View<con
     }
 }
 
+inline f8 find_loudest(View<const f8, 2> points, View<const i8, 1> regions, View<const c16, 1> p, View<const f8, 2> made, f8 near) {
+    const Index M = regions.size();
+    require(points.shape[0] == M && points.shape[1] == 3 && p.size() == M && made.shape[0] == 2 && made.shape[1] == M, "find_loudest: the shapes differ");
+    std::unordered_map<i8, std::pair<f8, f8>> sums;  // of the squared targets of each region, and how many
+    for (Index m = 0; m < M; ++m)
+        if (regions[m] >= 0) {
+            auto& [sum, count] = sums[regions[m]];
+            sum += power(p[m]);
+            count += 1.0;
+        }
+    f8 loudest = 0.0;
+    for (Index m = 0; m < M; ++m) {
+        if (regions[m] != SILENT) continue;
+        f8 nearest = std::numeric_limits<f8>::max();
+        Index of = -1;
+        for (Index k = 0; k < M; ++k) {
+            if (regions[k] < 0) continue;
+            const f8 distance = square(points(m, 0) - points(k, 0)) + square(points(m, 1) - points(k, 1)) + square(points(m, 2) - points(k, 2));
+            if (distance < nearest) nearest = distance, of = k;
+        }
+        if (of < 0 || nearest < near * near) continue;
+        const auto& [sum, count] = sums[regions[of]];
+        const f8 made_there = (square(made(0, m)) + square(made(1, m))) * count;
+        if (made_there > loudest * sum && sum > 0.0) loudest = made_there / sum;
+    }
+    return loudest;
+}
+
 inline void define_region(nb::module_& m) {
     kernel(m, "solve_region", &solve_region,
            "Solve p - D y - B h(B^H y) = 0 by Newton steps on the multipliers y, from those given; return the number of steps.\n\n"
@@ -386,6 +417,11 @@ inline void define_region(nb::module_& m) {
            "samples. warm, before: earlier multipliers and phases, which turn together, (M,), or of size 0 for none. factor: on\n"
            "these multipliers.",
            "t", "phases", "beside", "scale", "quiet", "warm", "before", "factor", "p", "D", "y");
+    kernel(m, "find_loudest", &find_loudest,
+           "The highest pressure at silent samples, relative to the mean of the nearest region.\n\n"
+           "points: (M, 3) [m]. regions: their numbers, (M,). p: targets, (M,). made: what is made, real and imaginary part, (2, M).\n"
+           "near: samples nearer to a region do not count [m].",
+           "points", "regions", "p", "made", "near");
 }
 
 }  // namespace pacinian::lagrange

@@ -1,10 +1,11 @@
 """Least squares under the gain limit for regions: all phases are given, and no Gram matrix is formed.
 
 The samples of a region lie closer together than the array resolves. Therefore B B^H is nearly singular, and its
-regularisation mu affects the solution. Squared errors have weight 1, or `BESIDE_WEIGHT` beside regions. The dual is
-that of `convex.dual`: y solves F(y) = p - D y - B h(B^H y) = 0, where D is 1 over the weights. Newton steps find y.
-Each step solves (D + B W B^H) d = F by conjugate gradients, with W = dh/dx: 1 / mu in both directions for a gain below
-its limit, and 1 / |x| along its phase for a gain at its limit. Each product reads B once.
+regularisation mu affects the solution. Squared errors have weight 1, or `BESIDE_WEIGHT` beside regions; the quiet
+factor (`quiet_factor`) multiplies both this weight and mu. The dual is that of `convex.dual`: y solves
+F(y) = p - D y - B h(B^H y) = 0, where D is 1 over the weights. Newton steps find y. Each step solves
+(D + B W B^H) d = F by conjugate gradients, with W = dh/dx: 1 / mu in both directions for a gain below its limit, and
+1 / |x| along its phase for a gain at its limit. Each product reads B once.
 
 Some of the transducers suffice to capture the coupling of nearby samples: all of a small array, and every fourth of a
 large one. D + B W B^H is computed and factored for these only, and preconditions the conjugate gradients. This needs 2
@@ -27,10 +28,18 @@ from pacinian.solving.skin_phases import BESIDE_WEIGHT
 from pacinian.solving.solution_metrics import AT_LIMIT
 from pacinian_plugins.native.lagrange import (
     RegionWorkspace,
+    find_loudest,
     scale_for_single,
     solve_region,
     start_region,
     write_gains,
+)
+from pacinian_plugins.solvers.lagrange.quiet_factor import (
+    MAX_COLD_CHANGES,
+    MAX_WARM_CHANGES,
+    NEAR,
+    adapt_factor,
+    find_last_factor,
 )
 from pacinian_plugins.solvers.lagrange.reference import solve_newton
 from pacinian_plugins.solvers.lagrange.solve_arguments import describe_saturation
@@ -59,15 +68,15 @@ NOTHING, NO_PHASES = np.empty(0, np.complex128), np.empty(0)
 class Ascent:
     """Newton steps on the multipliers y, (M,), from a given start, for targets p, (M,) [Pa per unit limit].
 
-    D: 1 over the weights of the squared errors, (M,).
+    D: 1 over the weights of the squared errors, (M,). factor: the quiet factor that D and mu contain.
     """
 
     def __init__(
         self, B: Gains, p: Complexes, D: Floats, y: Complexes, mu: float,
-        max_gap: float, workspace: RegionWorkspace, budget: pc.Budget,
+        max_gap: float, workspace: RegionWorkspace, budget: pc.Budget, factor: float = 1.0,
     ) -> None:  # fmt: skip
         self.B, self.p, self.D, self.y, self.mu, self.max_gap = B, p, D, y, mu, max_gap
-        self.workspace, self.budget = workspace, budget
+        self.factor, self.workspace, self.budget = factor, workspace, budget
         self.steps = 0
 
     def run(self) -> None:
@@ -83,6 +92,28 @@ class Ascent:
         self.p = p
         self.run()
         return np.asarray(self.workspace.made[0] + 1j * self.workspace.made[1])
+
+    def quieten(self, points: Floats, targets: pc.Targets, changes: int) -> None:
+        """Continue with other quiet factors, until the skin beside the regions is quiet enough.
+
+        changes: largest number of these. See `quiet_factor`.
+        """
+        regions = targets.regions
+        assert regions is not None
+        for _ in range(changes):
+            if self.budget.spent or not self.workspace.met:
+                return
+            loudness = find_loudest(points, regions, self.p, self.workspace.made, NEAR)
+            saturation = self.workspace.held / self.B.shape[1]
+            factor = adapt_factor(self.factor, loudness, saturation)
+            if factor == self.factor:
+                return
+            ratio, self.factor = factor / self.factor, factor
+            self.D[targets.beside] /= ratio
+            self.mu *= ratio
+            self.y *= ratio  # about the same gains
+            self.workspace.restart(True)
+            self.run()
 
 
 def solve(arguments: SolveArguments, relative: float) -> pc.Result:
@@ -103,22 +134,26 @@ def solve(arguments: SolveArguments, relative: float) -> pc.Result:
     p: Complexes = np.empty(M, np.complex128)
     y: Complexes = np.empty(M, np.complex128)
     D, scale = np.empty(M), share / unit
-    before, phases, factor = find_start(targets, warm)
+    before, phases, ratio = find_start(targets, warm)
+    strongest, continues = arguments.strongest, len(before) > 0
+    factor = find_last_factor(warm) if continues and not strongest else 1.0
     start_region(
-        targets.amplitudes, targets.phases, targets.beside, scale, BESIDE_WEIGHT, before, phases, scale * factor,
-        p, D, y,
+        targets.amplitudes, targets.phases, targets.beside, scale, BESIDE_WEIGHT * factor, before, phases,
+        scale * ratio, p, D, y,
     )  # fmt: skip
-    workspace = find_workspace(propagator, len(before) > 0 and moved_together(propagator, warm))
+    workspace = find_workspace(propagator, continues and moved_together(propagator, warm))
     max_gap = MAX_LATE_START_GAP if warm is not None and warm.late else MAX_START_GAP
-    ascent = Ascent(B, p, D, y, mu, max_gap, workspace, budget)
-    strongest = arguments.strongest
+    ascent = Ascent(B, p, D, y, factor * mu, max_gap, workspace, budget, factor)
     if strongest:
         reach = np.where(targets.beside, 0.0, np.abs(B).sum(axis=1, dtype=np.float64))
         find_strongest_uniform(p, reach, ascent.turn_to, budget)
         share = max(share, 1.0)  # the strength is free
     else:
         ascent.run()
-    p, y, scale, steps = ascent.p, ascent.y, unit / max(share, 1.0), ascent.steps
+        if targets.beside.any():
+            changes = MAX_WARM_CHANGES if continues else MAX_COLD_CHANGES
+            ascent.quieten(propagator.points, targets, changes)
+    p, y, mu, scale, steps = ascent.p, ascent.y, ascent.mu, unit / max(share, 1.0), ascent.steps
     done = strongest or workspace.met or budget.spent
     if done and out.dtype == np.complex64:
         write_gains(workspace.h, scale, out)
@@ -147,7 +182,7 @@ def solve(arguments: SolveArguments, relative: float) -> pc.Result:
         objective=objective * bound_scale,
         multipliers=None if strongest else y * (unit / share),
         mu=mu,
-        quiet_weight=BESIDE_WEIGHT,
+        quiet_weight=BESIDE_WEIGHT * ascent.factor,
         note=describe_saturation(saturated_count, N),
     )
 
