@@ -261,14 +261,9 @@ class Sampler:
         if resolving is not None:
             samples = spread_forces(samples, resolving, mode.max_uniform_points, mode.peak, counts)
             if mode.surround and solid and skins:
-                centres = [hand.centre for hand in skins]
-                resolved = min(map(resolving.compute_isolated_spacing, centres))
-                elongation = max(map(resolving.compute_elongation, centres))
                 left = allowance.find_limit(budget, 0) - len(samples)
                 surround = FINE_SURROUND if mode.fine else SURROUND
-                samples = add_surround(
-                    samples, skins, resolving.centre, resolved, elongation, left, surround
-                )
+                samples = add_surround(samples, skins, resolving, left, surround)
         return samples if len(hands) < 2 else samples.changed(capsules=capsules)
 
     def _find_near(

@@ -3,8 +3,10 @@
 The samples of a region do not constrain the field on the skin beside it. There, the field would press with one to five
 times the mean target pressure. A sparse ring of silent samples of low weight prevents this.
 
-An elongated array, such as two units side by side, has a wide main lobe along its short side. There, a ring pushes the
-sound outwards: just beyond it, the skin would get up to thirty times the mean. A second, wider ring prevents this.
+A ring also pushes sound outwards: just beyond it, the skin may get several times the mean. A second, wider ring
+prevents this. Contacts above an elongated array, such as two units side by side, always have it: its main lobe is wide
+along its short side. Above other small arrays, contacts have it if solves may take long. Large arrays hardly need it,
+and a solve for them would take up to five times as long.
 """
 
 from __future__ import annotations
@@ -18,9 +20,10 @@ from pacinian.scene.sampling.sample_keys import NUMBERS, make_keys
 from pacinian.scene.sampling.samples import join_samples
 
 if TYPE_CHECKING:
+    from pacinian.scene.sampling.array_resolution import ArrayResolution
     from pacinian.scene.sampling.posed_skin import PosedSkin
     from pacinian.scene.sampling.samples import Samples
-    from pacinian.types import Floats, Indices
+    from pacinian.types import Indices
 
 INNER = 0.25  # smallest distance from a silent sample to its region, over the resolution
 SURROUND_SPACING = 0.22  # spacing of silent samples, over the resolution
@@ -29,43 +32,44 @@ SURROUND_SPACING = 0.22  # spacing of silent samples, over the resolution
 class Surround(NamedTuple):
     """How many silent samples there are.
 
-    outer: largest distance from a silent sample to its region, over the resolution. share: maximum ratio of silent to
-    pressing samples.
+    outer: largest distance from a sample of the first ring to its region, over the resolution. share: maximum ratio of
+    such samples to pressing ones. max_transducers: of an array that is not elongated, for a second ring.
     """
 
     outer: float
     share: float
+    max_transducers: int
 
 
-SURROUND = Surround(1.2, 1.0 / 3.0)  # if solves must be fast
+SURROUND = Surround(1.2, 1.0 / 3.0, 0)  # if solves must be fast
 # Otherwise. With more silent samples that lie farther away, the pressure 10 to 30 mm beside contacts is lower.
-FINE_SURROUND = Surround(2.0, 1.2)
-MAX_OF_SMALL = 48  # maximum number of silent samples where the ratio allows fewer
-# Foci this many times longer than wide are elongated: the array has a second ring of silent samples.
-MIN_ELONGATION = 1.4
-# Of this ring: its outer radius and its spacing, over the resolution, and its maximum number of samples.
+FINE_SURROUND = Surround(2.0, 1.2, 1000)
+MAX_OF_SMALL = 48  # maximum number of samples of the first ring where the ratio allows fewer
+MIN_ELONGATION = 1.4  # ratio of length to width from which foci are elongated
+# Of the second ring: its outer radius and its spacing, over the resolution, and its maximum number of samples.
 FAR, FAR_SPACING, MAX_FAR = 5.0, 0.5, 96
-NEAR_SHARE = 2.0 / 3.0  # factor on `Surround.share` for the first ring if there is a second one
+MAX_FAR_SHARE = 0.5  # of all silent samples that the budget allows
 
 
 def add_surround(
-    samples: Samples, hands: list[PosedSkin], centre: Floats, resolved: float, elongation: float, most: int,
+    samples: Samples,
+    hands: list[PosedSkin],
+    resolving: ArrayResolution,
+    most: int,
     surround: Surround,
-) -> Samples:  # fmt: skip
+) -> Samples:
     """Add evenly spread silent samples on the skin beside the regions that touch it.
 
-    centre: of the array, (3,) [m]; skin that faces away from it gets none. resolved: resolution of the array there [m].
-    elongation: of the array's foci there. most: limit of the number of silent samples. surround: their largest
-    distance, and their largest share of the pressing samples; 48 are always allowed. Elongated foci add a ring farther
-    out.
+    Skin that faces away from the array gets none. most: limit of the number of silent samples.
     """
+    places = [hand.centre for hand in hands]
+    resolved = min(map(resolving.compute_isolated_spacing, places))
+    elongation = max(map(resolving.compute_elongation, places))
     of = np.flatnonzero((samples.regions >= 0) & (samples.radiation_pressure > 0.0))
-    elongated = elongation >= MIN_ELONGATION
-    share = surround.share * (NEAR_SHARE if elongated else 1.0)
-    near = max(MAX_OF_SMALL, int(share * len(of)))
+    near = max(MAX_OF_SMALL, int(surround.share * len(of)))
     rings = [(SURROUND_SPACING, INNER, surround.outer, near)]
-    if elongated:
-        far = min(MAX_FAR, near, most // 2)
+    if elongation >= MIN_ELONGATION or len(resolving.array) <= surround.max_transducers:
+        far = min(MAX_FAR, near, int(MAX_FAR_SHARE * most))
         rings.insert(0, (FAR_SPACING, surround.outer, FAR, far))
     q, every = samples.positions[of], [samples]
     for spacing, inner, outer, limit in rings if len(of) else ():
@@ -77,7 +81,7 @@ def add_surround(
                 spacing * resolved,
                 inner * resolved,
                 outer * resolved,
-                centre,
+                resolving.centre,
                 left,
             )
             if len(nodes):
