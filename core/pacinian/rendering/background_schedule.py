@@ -1,6 +1,6 @@
 """Decide whether solves run in the ticks, or in the background, and when a solve in the background begins.
 
-In the background means in a thread of its own, while the ticks go on.
+A solve in the background runs in a thread of its own, while the ticks go on.
 """
 
 from __future__ import annotations
@@ -31,12 +31,12 @@ GOOD_SOLVE_TIME = 0.004
 MAX_SOLVE_TIME = 0.012
 MIN_MAX_TICKS = 3
 # Shortest time from the beginning of a solve in the background to that of the next [s].
-MIN_INTERVAL = 0.008
+MIN_SOLVE_INTERVAL = 0.008
 # Time after which a solve begins even if the scene has not changed; also the longest time over which a change is
 # spread [s].
-MAX_INTERVAL = 0.012
-# Time after which a solve begins although the scene is at rest: the last solve has changed nothing, and nothing in the
-# scene moves by itself [s].
+MAX_SOLVE_INTERVAL = 0.012
+# Time after which a solve begins although the scene is at rest [s]. A scene is at rest if the last solve has changed
+# nothing, and nothing in the scene moves by itself.
 REST_INTERVAL = 0.05
 # Time in which the last solution fades out before silence [s]. Clients wait 20 ms for silence.
 END_SPREAD = 0.006
@@ -70,7 +70,7 @@ class BackgroundSchedule:
     _wait: int = field(default=MIN_FITTING, init=False)
 
     def __post_init__(self) -> None:
-        self._since = self._count_ticks(MAX_INTERVAL)
+        self._since = self._count_ticks(MAX_SOLVE_INTERVAL)
 
     @property
     def max_ticks(self) -> int:
@@ -81,8 +81,8 @@ class BackgroundSchedule:
     def lead(self) -> float:
         """Time from the beginning of the next solve in the background until frames reach its result [s].
 
-        The loop will take the result after as many ticks as it took the last results, and interpolated frames reach it
-        when the loop takes the following one.
+        The loop will probably take the result after `ticks`. From then on, it interpolates frames, which reach the
+        result after a further `interval`, when the loop takes the next result.
         """
         return min((self.ticks + self.interval) * self.period, MAX_LEAD)
 
@@ -104,10 +104,10 @@ class BackgroundSchedule:
         changed: whether the scene has changed since the last solve began. urgent: whether the output must become silent
         soon.
 
-        A new scene begins a solve at once if scenes come at intervals of at least MIN_INTERVAL, as from trackers and
-        games. Between two scenes, objects and hands keep their velocities.
+        A new scene begins a solve at once if scenes come at intervals of at least MIN_SOLVE_INTERVAL, as from trackers
+        and games. Between two scenes, objects and hands keep their velocities.
         """
-        least, most = self._count_ticks(MIN_INTERVAL), self._count_ticks(MAX_INTERVAL)
+        least, most = self._count_ticks(MIN_SOLVE_INTERVAL), self._count_ticks(MAX_SOLVE_INTERVAL)
         unchanged = self._count_ticks(REST_INTERVAL) if self.rests else most
         if self._since < (unchanged if not changed else 1 if urgent else least):
             return False

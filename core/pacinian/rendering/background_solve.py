@@ -25,8 +25,8 @@ def start_daemon(work: Callable[[], object], name: str) -> None:
 class BackgroundSolve(Generic[T]):
     """Runs one job at a time in a thread, which begins with the first job, and ends with this object or the process.
 
-    start_thread: runs a function in a new thread of this name. If `deferred`, there is no thread: a job runs when its
-    result is taken, so that a recording can be rendered again.
+    start_thread: runs a function in a new thread of the given name. deferred: whether there is no thread, and a job
+    runs when its result is taken; so it is when a recording is rendered again.
     """
 
     def __init__(
@@ -71,13 +71,13 @@ class BackgroundSolve(Generic[T]):
         return job() if self.deferred else future.result()
 
     def drop(self) -> None:
-        """Wait for the job that runs, if any, and ignore its result. A deferred one does not run."""
+        """Wait for the job that runs, if any, and ignore its result. A deferred job is not run."""
         if self._job is not None and not self.deferred:
             wait([self._job[1]])
         self._job = None
 
     def close(self) -> None:
-        """End the thread after the job that runs, if any; wait for that, but not for ever."""
+        """End the thread after the job that runs, if any. Wait for this job, but not longer than MAX_CLOSING."""
         if self._jobs is None:
             return
         self._end()
@@ -87,7 +87,7 @@ class BackgroundSolve(Generic[T]):
 
 
 def _end_thread(jobs: queue.SimpleQueue[Any], last: list[Future[Any]]) -> None:
-    """End a thread after the job that runs: in a kernel, it must not outlive the interpreter."""
+    """End a thread, and wait for its last job, because a thread in a kernel must not outlive the interpreter."""
     jobs.put(None)
     wait(last, MAX_CLOSING)
 
@@ -100,4 +100,4 @@ def _run_jobs(jobs: queue.SimpleQueue[tuple[Callable[[], T], Future[T]] | None])
                 future.set_result(work())
         except BaseException as error:  # a plug-in can raise anything; the loop raises it again
             future.set_exception(error)
-        del job, work, future  # which hold the renderer
+        del job, work, future  # because they hold the renderer

@@ -18,6 +18,11 @@ if TYPE_CHECKING:
     from pacinian.solving.solution import Solution
     from pacinian.types import Floats, Gains
 
+# Pause before each further solve for samples that have been solved for many times without success [s]. A busy processor
+# may have spoilt the solves before. MAX_FAILED_IMPROVEMENTS in sample_solver.py and MAX_TRIES in frame_cycle.py say how
+# many.
+RETRY_INTERVAL = 0.25
+
 
 @dataclass(frozen=True, eq=False)
 class CachedSolution:

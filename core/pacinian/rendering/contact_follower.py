@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.rendering.field_steering import (
-    MAX_INTERVAL,
     MAX_JUMP,
+    MAX_VELOCITY_INTERVAL,
     MIN_DISTANCE,
-    MIN_INTERVAL,
+    MIN_VELOCITY_INTERVAL,
     Motion,
     choose_slower,
 )
@@ -39,10 +39,11 @@ class ContactFollower:
 
     def reset(self) -> None:
         """Forget all contacts."""
-        self._solutions: SolutionSequence | None = None  # the last ones
-        self._moved: SolutionSequence | None = None  # these with their motion
-        self._places: dict[int, Floats] = {}  # centre of each contact in them [m]
-        self._time, self._velocity = -math.inf, np.zeros(3)  # of these [s]; of the last step [m/s]
+        self._solutions: SolutionSequence | None = None  # the last solutions
+        self._moved: SolutionSequence | None = None  # the last solutions, with their motion
+        self._places: dict[int, Floats] = {}  # centre of each of their contacts [m]
+        self._time = -math.inf  # time of the last solutions [s]
+        self._velocity = np.zeros(3)  # velocity of the last step [m/s]
 
     def follow(self, solutions: SolutionSequence, t: float) -> SolutionSequence:
         """Return the solutions with the motion of their samples, whose positions are those at time t [s]."""
@@ -63,7 +64,7 @@ class ContactFollower:
             and float(np.linalg.norm(self._transducers - centre, axis=1).min()) >= MIN_DISTANCE
         )
         velocity, seconds = np.zeros(3), t - self._time
-        if continues and MIN_INTERVAL <= seconds <= MAX_INTERVAL:
+        if continues and MIN_VELOCITY_INTERVAL <= seconds <= MAX_VELOCITY_INTERVAL:
             velocity = np.mean(steps, axis=0) / seconds
         motion = Motion(centre, np.zeros(3), choose_slower(velocity, self._velocity), t, continues)
         self._time, self._velocity = t, velocity

@@ -54,9 +54,9 @@ NOTHING: Reasons = {}
 class Deviation:
     """Successive ticks that deviated in the same way.
 
-    tick: number of the first. ticks: how many. time, until: scene time of the first and the last [s]. objects: for each
-    object, by label, the reasons and their counts in each of these ticks: samples, or ticks. A label is the object's
-    name, or its type and index in the scene, or "hand" and the hand's name.
+    tick: number of the first. ticks: their number. time, until: scene time of the first and the last [s]. objects: for
+    each object, by label, the reasons and their counts in each of these ticks: samples, or ticks. A label is the
+    object's name, or its type and index in the scene, or "hand" and the hand's name.
     """
 
     tick: int
@@ -82,7 +82,7 @@ class Total(NamedTuple):
 class Deviations:
     """The deviations of a run, by time and by object.
 
-    spans: the last ones, oldest first; the totals count all. ticks: number of ticks in which anything deviated.
+    spans: the most recent ones, oldest first; the totals count all. ticks: number of ticks in which anything deviated.
     """
 
     def __init__(self) -> None:
@@ -140,7 +140,7 @@ def mark(objects: Reasons, labels: Iterable[str], reason: str, count: int = 1) -
 
 
 def mark_lateness(objects: Reasons, labels: Iterable[str], *, late: bool, missed: int) -> Reasons:
-    """Return the deviations of a tick, and that it is late, and that `missed` ticks before it were skipped."""
+    """Return the deviations of a tick, marked as late if it is, and with the number of ticks skipped before it."""
     objects = mark(objects, labels, LATE) if late else objects
     return mark(objects, labels, MISSED, missed) if missed else objects
 

@@ -1,8 +1,8 @@
 """The content of files that objects need, so that a recording needs no file but itself.
 
-In a recording, an object names such a file by the SHA-256 of its content. The content itself, written once, is the same
-part of the object with its numbers in place of the file: the triangles of a mesh, the values of a texture, a height map
-or voxels, the samples of a wave.
+In a recording, an object names such a file by the SHA-256 of its content. The recording contains each content once. It
+is the same part of the object, with numbers in place of the file: the triangles of a mesh, the values of a texture, a
+height map or voxels, the samples of a wave.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class EmbeddedFileWriter:
     def __init__(self) -> None:
         self.new: Contents = {}
         self._known: set[str] = set()
-        # by id; holds the part, which keeps its id
+        # by the id of a part; contains the part, so that no other one gets its id
         self._named: dict[int, tuple[Struct, Struct]] = {}
 
     def name_files(self, value: T) -> T:

@@ -91,9 +91,9 @@ class Probe:
         return found
 
     def estimate_error_at_samples(self, samples: Samples, targets: Targets, gains: Gains) -> float:
-        """Return the relative error of the sound pressures at some samples in free air, other ones each time.
+        """Return the relative error of the sound pressures at some samples in free air.
 
-        targets: of the samples. gains: as for `measure_between`.
+        The samples are other ones in each call. targets: of the samples. gains: as for `measure_between`.
         """
         some = self._rng.permutation(len(samples))[:SAMPLES]
         p = self._measure(samples.positions[some], None, gains)
@@ -102,7 +102,7 @@ class Probe:
     def compute_pressures(self, points: Floats, facing: SkinFacing | None, gains: Gains) -> Floats:
         """Return the root mean square over the frames of the pressure amplitude at points, (M, 3) [m], (M,) [Pa].
 
-        gains: of the frames, (K, N). The same input again, as of a still scene, costs only the comparison.
+        gains: of the frames, (K, N). If the input is that of the last call, the last result is returned.
         """
         asked: tuple[Floats | Gains, ...] = points, gains
         if facing is not None:
@@ -118,6 +118,6 @@ class Probe:
         return self._hear(gains)
 
     def _hear(self, gains: Gains) -> Floats:
-        """Return the root mean square over the frames at the points of the propagator, (M,) [Pa]."""
+        """Return the root mean square of the pressure amplitude at the propagator's points, (M,) [Pa]."""
         p = np.array([self._propagator.apply(g) for g in gains])
         return np.asarray(np.sqrt((np.abs(p).astype(np.float64) ** 2).mean(axis=0)))

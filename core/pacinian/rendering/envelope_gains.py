@@ -46,7 +46,7 @@ def mean_amplitude(solved: CachedSolution, a: Singles) -> Singles:
 
 
 class Source:
-    """A solution that rows of gains s, (K, N), consist of in part.
+    """One of the solutions of which rows of gains s, (K, N), consist.
 
     share: the solution's share of each row, (K,). parts: contributions of its groups, (V, N). a: amplitude of each in
     each row, (V, K). mean: their mean, (K,). expected: coefficient of each in each row by its share, (V, K).
@@ -94,9 +94,9 @@ def mix(sources: Sequence[Source], s: Gains) -> Gains:
 class EnvelopeFade:
     """Past solutions whose envelopes still count.
 
-    While gains move from one solution to another, least squares shows how much of each they contain. It does not if
-    only the envelope of an object has changed. Therefore each past solution also has an expected share of the gains,
-    which falls from row to row, no faster than gains may change.
+    While gains move from one solution to another, least squares shows how much of each they contain. It cannot show
+    this if only the envelope of an object has changed. Therefore each past solution also has an expected share of the
+    gains. The share falls from row to row, no faster than gains may change.
     """
 
     def __init__(self) -> None:
@@ -120,7 +120,8 @@ class EnvelopeFade:
         match _compare_envelopes(self._present, solved):
             case "new_envelopes":
                 self._past.append((self._present, 1.0 - sum(share for _, share in self._past)))
-            case "same_envelopes":  # least squares shows how much of it the gains still contain
+            case "same_envelopes":
+                # least squares shows how much of the old solution the gains still contain
                 self._past.append((self._present, 0.0))
             case "nothing_to_fade":
                 pass
@@ -128,7 +129,7 @@ class EnvelopeFade:
             (_, first), (past, share), *later = self._past
             self._past = [(past, first + share), *later]
         self._present = solved
-        # silence has no envelope: what fades out keeps its own
+        # silence has no envelope, so a solution that fades out keeps its own
         self._step = step if len(solved[0].samples) else 0.0
 
     @property
@@ -158,7 +159,7 @@ class EnvelopeFade:
         ]
 
     def advance(self, rows: int) -> None:
-        """Go on by so many rows."""
+        """Go on by this number of rows."""
         if not self._past:
             return
         last = self._fall(np.array([rows]))
@@ -174,11 +175,11 @@ class EnvelopeFade:
 def _compare_envelopes(
     last: Sequence[CachedSolution], now: Sequence[CachedSolution]
 ) -> Literal["new_envelopes", "same_envelopes", "nothing_to_fade"]:
-    """Return how the envelopes of the last solutions count further.
+    """Return whether the last solutions still count, and why.
 
-    "new_envelopes": they fade out. "same_envelopes": several groups have the same envelopes as before, but other
-    contributions to the gains. "nothing_to_fade": there is nothing to tell apart, or the solutions are frames of a
-    cycle with several groups, which jump anyway.
+    "new_envelopes": their envelopes fade out. "same_envelopes": several groups have the same envelopes as before, but
+    other contributions to the gains. "nothing_to_fade": there is nothing to tell apart, or the solutions are frames of
+    a cycle with several groups, which jump anyway.
     """
     if not last or not len(last[0].samples):
         return "nothing_to_fade"

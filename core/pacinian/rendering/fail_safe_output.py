@@ -11,7 +11,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from pacinian.plugins.backend import Backend, Frame
-    from pacinian.rendering.report import Stage, StageTimer
+    from pacinian.rendering.report import Stage
+    from pacinian.rendering.stage_timer import StageTimer
 
 
 class FailSafeOutput:

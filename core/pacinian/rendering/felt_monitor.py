@@ -38,8 +38,8 @@ MIN_DISTANCE_TO_OTHERS = 0.015
 class _Moment(NamedTuple):
     """What a tick has emitted.
 
-    scene: in which it was emitted, at `time` [s]. result: that is played, within `limits`. gains: without envelopes,
-    before rounding, of the frames that take turns, (K, N).
+    scene: at `time` [s]. result: the result that was played. limits: of the gains. gains: of the frames that take
+    turns, without envelopes and before rounding, (K, N).
     """
 
     scene: Scene
@@ -52,7 +52,7 @@ class _Moment(NamedTuple):
 class FeltMonitor:
     """Keeps what some ticks have emitted, until there is time to measure it.
 
-    session: for whose array and medium. sampler: whose skin is measured. playback: makes the frames.
+    session: has the array and the medium. sampler: has the skin. playback: makes the frames.
     """
 
     def __init__(self, session: Session, sampler: Sampler, playback: Playback) -> None:
@@ -75,7 +75,7 @@ class FeltMonitor:
     ) -> None:
         """Keep what the tick at time t [s] has emitted, if it is time to measure.
 
-        result: that it played, within `limits`. ticks: number of ticks since the last call.
+        result: the result that the tick played. limits: of the gains. ticks: number of ticks since the last call.
         """
         rising = _is_rising(result.solutions.samples, result.sample_counts.samples)
         self._schedule.pass_ticks(result.solutions, ticks, rising=rising)
@@ -134,7 +134,8 @@ class FeltMonitor:
         played, full = moment.result.solutions.samples, moment.result.sample_counts.samples
         others = played.radiation_pressure > 0.0
         others &= ~np.isin(played.regions, places.regions[places.regions >= 0])
-        if others.any() and len(places):  # what other objects press beside a contact was asked for
+        # the pressure of other objects beside a contact was asked for
+        if others.any() and len(places):
             away = find_nearest(played.positions[others], places.positions)[0]
             places = places.only((places.regions >= 0) | (away > MIN_DISTANCE_TO_OTHERS))
         P = places.radiation_pressure * _find_ramps(places, played, full)
@@ -149,7 +150,7 @@ def _is_rising(played: Samples, full: Samples) -> bool:
 def _find_ramps(places: Samples, played: Samples, full: Samples) -> Floats:
     """Return the factor of the ramps on the pressure at each of some places, (K,).
 
-    It is that of the nearest sample of the same region. Ramps limit the slope of each pressure, so that weak
+    A place has the factor of the nearest sample of its region. Ramps limit the slope of each pressure, so that weak
     pressures at the rim of a contact reach their targets before those in its middle. played: samples after the
     ramps. full: those before the ramps.
     """

@@ -2,9 +2,12 @@
 
 Let c be the centre of the samples that were solved for. If each transducer produces the same sound pressure at c + d as
 it did at c, the field around c moves by d. A transducer at distance r from c, and r' from c + d, produces sound
-pressures in proportion to e^(-jkr) / r and e^(-jkr') / r' there. So its gain gets the factor e^(jk(r' - r)) r' / r. At
-the centre, this is exact, except for the directivity. Elsewhere, the error grows with the shift and with the distance
-from the centre, relative to the distance from the array (decision 76).
+pressures in proportion to e^(-jkr) / r and e^(-jkr') / r' there. Therefore its gain is multiplied by
+
+    e^(jk(r' - r)) r' / r
+
+At the centre, this is exact, except for the directivity. Elsewhere, the error grows with the shift and with the
+distance from the centre, relative to the distance from the array (decision 76).
 """
 
 from __future__ import annotations
@@ -27,13 +30,13 @@ MAX_DISTORTION = 2e-4  # samples move as one if their shifts differ by at most t
 MIN_DISTANCE = 0.05
 # Largest displacement from place to place that counts as a movement, not as a jump [m].
 MAX_JUMP = 0.02
-# Samples that have not moved for this time are solved for at their present place [s].
-MAX_STANDSTILL = 0.033
-MAX_TREMBLE = 3e-4  # samples that stay within this distance of a place count as at rest [m]
-# Largest shift at which samples at rest are not solved for again: a twentieth of a wavelength [m].
+# Samples stand if they have stayed within MAX_TREMBLE [m] of one place for at least MIN_STANDSTILL [s].
+MAX_TREMBLE, MIN_STANDSTILL = 3e-4, 0.033
+# Largest distance of samples from where they were solved for at which they need no other solve if they stand, or if
+# they creep (sample_solver.py): a twentieth of a wavelength [m].
 MAX_MISPLACEMENT = 4e-4
 # Shortest and longest time between the two places from which a velocity is computed [s].
-MIN_INTERVAL, MAX_INTERVAL = 5e-3, 0.05
+MIN_VELOCITY_INTERVAL, MAX_VELOCITY_INTERVAL = 5e-3, 0.05
 MAX_EXTRAPOLATION = 0.03  # longest time for which samples are assumed to keep their velocity [s]
 MAX_RATIO = 2.0  # factors on gains are limited to 1 / MAX_RATIO to MAX_RATIO in amplitude
 
@@ -58,7 +61,7 @@ class Motion(NamedTuple):
 
     @property
     def misplaced(self) -> bool:
-        """Whether samples at rest are too far from where they were solved for."""
+        """Whether samples that stand are so far from where they were solved for that they need another solve."""
         return float(np.linalg.norm(self.shift)) > MAX_MISPLACEMENT
 
     def rests_like(self, other: Motion) -> bool:
@@ -85,15 +88,12 @@ class SampleMotion:
     def reset(self) -> None:
         """Forget all samples."""
         self._place, self._time = NOWHERE, -math.inf  # of the last samples [m], [s]
-        self._step_from, self._step_begun = (
-            self._place,
-            self._time,
-        )  # of the last step of the velocity
-        self._step = self._velocity = AT_REST  # velocity in that step, and in the last two [m/s]
-        self._rest, self._stands_since = (
-            self._place,
-            math.inf,
-        )  # place near which the samples are, and since when
+        # where the present step began [m], and when [s]; each velocity is computed from one step
+        self._step_from, self._step_begun = self._place, self._time
+        # velocity in the last step, and the slower one of the last two steps [m/s]
+        self._step = self._velocity = AT_REST
+        # place near which the samples are [m], and since when [s]
+        self._rest, self._stands_since = self._place, math.inf
         self._distance = 0.0  # from the nearest transducer [m]
 
     @property
@@ -103,8 +103,8 @@ class SampleMotion:
 
     @property
     def stands(self) -> bool:
-        """Whether the samples have not moved for a while."""
-        return self._time - self._stands_since >= MAX_STANDSTILL
+        """Whether the samples have stayed near one place for at least MIN_STANDSTILL."""
+        return self._time - self._stands_since >= MIN_STANDSTILL
 
     def track(self, samples: Samples, t: float) -> None:
         """Note where samples are at time t [s].
@@ -112,14 +112,13 @@ class SampleMotion:
         The velocity is the smaller one of the last two steps, so that a single step is not taken for a movement.
         """
         place = samples.positions.mean(axis=0)
-        far = (
-            not float(np.linalg.norm(place - self._place)) <= MAX_JUMP
-        )  # or there was no place before
+        # also true if there was no place before
+        far = not float(np.linalg.norm(place - self._place)) <= MAX_JUMP
         seconds = t - self._step_begun
-        if far or not 0.0 <= seconds <= MAX_INTERVAL:
+        if far or not 0.0 <= seconds <= MAX_VELOCITY_INTERVAL:
             self._velocity = self._step = AT_REST
             self._step_from, self._step_begun = place, t
-        elif seconds >= MIN_INTERVAL:
+        elif seconds >= MIN_VELOCITY_INTERVAL:
             step = (place - self._step_from) / seconds
             self._velocity, self._step = choose_slower(step, self._step), step
             self._step_from, self._step_begun = place, t
@@ -138,8 +137,8 @@ class SampleMotion:
     ) -> Motion | None:
         """Return how the samples noted last have moved since they were `solved`; None if they need another solve.
 
-        centre: of `solved`, (3,) [m]. most: largest shift sideways, over the distance from the nearest transducer; half
-        of that towards the array or away from it.
+        centre: of `solved`, (3,) [m]. most: largest shift sideways, over the distance from the nearest transducer. A
+        shift towards the array or away from it may be half as large.
         """
         shift = samples.find_shift(solved, MAX_DISTORTION)
         if shift is None:
@@ -153,9 +152,9 @@ class SampleMotion:
 
 
 def choose_slower(velocity: Floats, before: Floats) -> Floats:
-    """Return a velocity, (3,) [m/s], limited to the speed of the one before; 0 if that has another direction.
+    """Return a velocity, (3,) [m/s], limited to the speed of the one before.
 
-    So a single step is not taken for a movement.
+    Returns 0 if the angle between the two is 90 degrees or more. Therefore a single step is not taken for a movement.
     """
     length = float(np.linalg.norm(velocity))
     goes_on = length > 0.0 and float(velocity @ before) > 0.0
@@ -173,13 +172,13 @@ class Steering:
     def reset(self) -> None:
         """Follow no motion."""
         self._motion: Motion | None = None
-        self._place = np.zeros(3)  # to which the last row was steered [m]
-        self._factor: Gains | None = None  # of that row, (N,)
+        self._place = np.zeros(3)  # place to which the last row was steered [m]
+        self._factor: Gains | None = None  # factors on the gains of that row, (N,)
         self._behind, self._span, self._left = np.zeros(3), 1, 0  # see `follow`
 
     @property
-    def still(self) -> bool:
-        """Whether the next rows are steered to the same place if nothing changes."""
+    def settled(self) -> bool:
+        """Whether the next rows are steered to the same place as the last one, if nothing changes."""
         return self._motion is None or not (self._left or self._motion.velocity.any())
 
     def follow(self, motion: Motion | None, t: float, ticks: int) -> Gains | None:
@@ -218,7 +217,7 @@ class Steering:
         if self._factor is None:
             self._factor = self.find_factors(motion.centre, self._place)
         before = self._factor
-        if not self.still:
+        if not self.settled:
             self._place = motion.find_place(t)
             if self._left:
                 self._left -= 1
@@ -231,7 +230,7 @@ class Steering:
         share = (np.arange(1, K + 1, dtype=np.float32) / np.float32(K))[:, None]
         rows *= before + share * (self._factor - before)
 
-    def repeat(self, gains: Gains) -> Gains:
+    def steer_like_last(self, gains: Gains) -> Gains:
         """Return gains, (K, N), steered like the last row."""
         return gains if self._motion is None or self._factor is None else gains * self._factor
 

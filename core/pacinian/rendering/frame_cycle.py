@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.acoustics.pressure import radiation_pressure
+from pacinian.rendering.cached_solution import RETRY_INTERVAL
 from pacinian.rendering.reachability import ReachabilityFilter
 from pacinian.scene.config_sections import DEFAULT_BUDGET
 from pacinian.scene.sampling.region_bands import Bands
@@ -46,10 +47,8 @@ MAX_ROUNDS = 3  # largest number of complete solves of each frame after the samp
 # Number of solves of a frame for the same samples, late ones included, after which the frame waits for RETRY_INTERVAL
 # before each further solve.
 MAX_TRIES = 12
-# Pause before each further solve of a frame after MAX_TRIES [s]. A busy processor may have spoilt the solves before.
-RETRY_INTERVAL = 0.25
-# Samples for which two frames were given up (MAX_LATE_TRIES) get another chance after this time, if they still have not
-# moved [s].
+# Time after which two frames are tried again for samples for which they were given up (MAX_LATE_TRIES), if the samples
+# have not moved meanwhile [s].
 TRY_AGAIN_AFTER = 2.0
 # After this number of solves of a frame, if all of them ran out of time, one frame is used instead of two.
 MAX_LATE_TRIES = 3
@@ -89,8 +88,8 @@ class Cycle:
     solves for moved samples are late, only one frame is used; and if there is no time for two frames of samples that do
     not move, one frame is used for these samples.
 
-    session: solves for the first frame, and for samples that need only one. most: largest number of frames. peak:
-    largest target of a frame [Pa].
+    session: solves for the first frame, and for samples that need only one. most: largest number of frames. peak: that
+    of `LoopSettings`; here, it limits the target of each frame [Pa].
     """
 
     def __init__(
@@ -212,7 +211,8 @@ class Cycle:
         for frame, tilt in zip(self.frames, TILTS if self._tilted else (0.0,) * count, strict=True):
             frame.rounds = frame.tries = 0
             frame.session.tilt = tilt
-            # A band makes only a part of some samples. Corrections would raise these, and phases would relax for them.
+            # A band makes only a part of the pressure at some samples. Corrections would raise the pressure there, and
+            # phases would relax for them.
             frame.session.refines = not self._banded
 
     def due(self, t: float, rounds: int = MAX_ROUNDS) -> CycleFrame | None:
@@ -291,9 +291,9 @@ class Cycle:
             self._arrange()
 
     def try_again(self, solved: CachedSolution, t: float) -> None:
-        """Give samples for which there was no time for two frames another chance, if it is time to at t [s].
+        """Use two frames again at time t [s], if they were given up at least TRY_AGAIN_AFTER before.
 
-        solved: what the single frame plays. A busy processor may have been the reason.
+        A busy processor may have been the reason. solved: the solution of the single frame.
         """
         if self._given_up and t >= self._again:
             self._given_up, self._wanted = False, min(self.allowed, self.most)
@@ -301,7 +301,7 @@ class Cycle:
 
     @property
     def solutions(self) -> tuple[CachedSolution, ...]:
-        """What the frames play, in their order. One that is not solved yet plays what another one does."""
+        """The solution that each frame plays. A frame that is not solved yet plays the solution of another one."""
         solved = [frame.solved for frame in self.frames]
         first = next((one for one in solved if one is not None), None)
         return tuple(one or first for one in solved) if first is not None else ()

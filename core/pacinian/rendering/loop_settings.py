@@ -13,12 +13,14 @@ if TYPE_CHECKING:
 
 
 class LoopSettings(NamedTuple):
-    """The settings of one render loop. `Renderer` describes what each of them does.
+    """The settings of one render loop. `Renderer` describes each of them.
 
     period: of a tick [s]. smoothing: slew-rate limit from row to row. adaptive: whether to solve in the background if
     ticks would be late, to end solves in time, and to reduce the number of samples, except those of regions. strict:
-    never leave anything out, and do not adapt. max_cycle_frames: largest number of frames in a cycle. peak: largest
-    target of such a frame [Pa].
+    never leave anything out, and do not adapt. max_cycle_frames: largest number of frames in a cycle. peak: highest
+    radiation pressure on the skin of the hands [Pa]; infinite for no limit. It also limits the pressure of objects
+    that have a `force`, and the target of each frame of a cycle, but the latter never to less than the target of the
+    whole cycle.
     """
 
     period: float

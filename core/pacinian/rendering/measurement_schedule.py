@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 TICKS_PER_MEASUREMENT = 64  # smallest number of ticks between measurements of the emitted field
 # Largest random number of additional ticks, so that measurements fall at all moments between two solutions.
 MAX_DELAY = 16
-# Number of ticks from silence, and from the end of the ramps that follow it, to the first measurement: the first solves
-# have more time, and all frames of a cycle are solved for the full pressures.
+# Number of ticks from the end of silence and of the ramps that follow it to the first measurement. The first solves
+# then have more time, and all frames of a cycle are solved for the full pressures.
 TICKS_TO_FIRST_MEASUREMENT = 8
 MAX_RAMP_TICKS = 64  # largest number of ticks for which ramps delay the first measurement
 # Largest number of measurements of regions that rest, at other places each time.
@@ -43,7 +43,7 @@ class MeasurementSchedule:
         self._ramp_ticks = MAX_RAMP_TICKS  # ticks for which ramps may still delay it
         self._rng = np.random.default_rng(0)
         self._measured: SolutionSequence | None = None
-        self._measurements = 0  # at these solutions
+        self._measurements = 0  # of these solutions at rest
 
     def pass_ticks(self, played: SolutionSequence, count: int, *, rising: bool) -> None:
         """Count ticks that play this result, including those that the loop left out because it rested.

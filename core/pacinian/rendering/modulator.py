@@ -159,9 +159,10 @@ class Modulator:
         plain = self._plain[: len(solved)]
         for gains, one in zip(plain, solved, strict=True):
             gains[:] = one.gains
-        # An intended jump of a focus is not smoothed. New limits apply from the first row on; from silence they hold.
+        # An intended jump of a focus is not smoothed. Other limits apply from the first row on, unless the output is
+        # silent: then all rows keep them, also smoothed ones.
         limited = self._limits is not None and self._limits != play.limits
-        jumps = play.each or (limited and self.smoother.gains.any())
+        jumps = play.one_per_row or (limited and self.smoother.gains.any())
         settings = self._jumps if jumps else self._smoothing
         self._limits = play.limits
         if solved != self._followed:
@@ -170,7 +171,7 @@ class Modulator:
         self._fade.begin(
             play.rows, 1.0 if rate is None else min(rate * self._gap, 1 / max(self._span, 1))
         )
-        if play.cycle or (self._slots and not play.each):
+        if play.cycle or (self._slots and not play.one_per_row):
             self._follow_slots(plain, solved, play, ticks, settings)
         else:
             self._slots, self.smoother.settings = [], settings

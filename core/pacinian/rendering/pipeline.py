@@ -24,7 +24,6 @@ from pacinian.rendering.frame_deviations import FrameDeviations
 from pacinian.rendering.measurement_schedule import Measurement
 from pacinian.rendering.new_hand_check import NewHandCheck
 from pacinian.rendering.playback import Playback
-from pacinian.rendering.report import StageTimer
 from pacinian.rendering.row_times import compute_row_times
 from pacinian.rendering.sample_budget_controller import MAX_LOAD, SampleBudgetController
 from pacinian.rendering.sample_solver import SampleSolver
@@ -32,6 +31,7 @@ from pacinian.rendering.scene_solver import SceneSolver
 from pacinian.rendering.scene_warnings import add_warnings, find_warnings
 from pacinian.rendering.solution_sequence import SolutionSequence, SolveResult
 from pacinian.rendering.solve_deadline import SolveDeadline
+from pacinian.rendering.stage_timer import StageTimer
 from pacinian.rendering.steered_solver import STEERED_TIME_FACTOR
 from pacinian.rendering.warmup import load_envelopes, try_out
 from pacinian.scene.sampling.sample_counts import SampleCounts
@@ -87,8 +87,8 @@ class Pipeline:
             session, self.playback.times, cycle, round_gains=self.playback.quantise_gains
         )
         self._skipped = sampler.skipped = self.solver.skipped  # of a job, until it is taken
-        limit = settings.peak if settings.adaptive else math.inf
-        self._new_hands = NewHandCheck(limit, self.playback, self.solver.skin_limit)
+        peak = settings.peak if settings.adaptive else math.inf
+        self._new_hands = NewHandCheck(peak, self.playback, self.solver.skin_limit)
         self._scene_solver = SceneSolver(
             sampler, self.solver, self.playback, settings, clocks.job.now
         )
@@ -131,7 +131,7 @@ class Pipeline:
         self._solved_now = False  # whether the last tick solved
         self._seen: Scene | None = None
         self._changed = True  # whether the scene has changed since the last job began
-        # whether nobody needs the result of the job in the background, which has no deadline, any more
+        # whether the result of the job in the background, which has no deadline, is no longer needed
         self._outdated = False
         self._deviations = FrameDeviations()
         # Time of the last tick [s]; whether its frame was the one before.
@@ -145,7 +145,7 @@ class Pipeline:
         Returns the scene; None after an exception, which the first tick will raise and report again. If `strict`, the
         exception is raised at once.
         """
-        # as a replay begins
+        # a replay begins in this state, too
         self.schedule, self._in_background = BackgroundSchedule(self.period), False
         try:
             self.playback.quantise_gains(try_out(self.session).gains, limits)
@@ -176,7 +176,7 @@ class Pipeline:
         self.played = self.played._replace(sample_pressures=None, too_fast=fast)
         self.solver.times = times
         if self.limits.zones:
-            self.reset()  # because the zones are quiet only as the last device has rounded
+            self.reset()  # because the solutions keep the zones quiet only as the last device rounds
         self.solver.cycle.most = split_frames(self._settings.max_cycle_frames, capability.rate)
 
     def reset(self) -> None:
@@ -190,7 +190,7 @@ class Pipeline:
         self.session.forget()
         self._monitor.reset()
         self._clocks.job.take()
-        # what a tick without a frame has counted is in no recording
+        # a recording does not contain what a tick without a frame has counted
         self.schedule = BackgroundSchedule(self.period, in_background=self._in_background)
         self._begin()
         if self.budget_controller is not None:
@@ -208,8 +208,11 @@ class Pipeline:
         self.background.close()
 
     @property
-    def still(self) -> bool:
-        """Whether the last tick repeated the frame before, and nothing that was seen is pending."""
+    def repeats(self) -> bool:
+        """Whether the last tick repeated the frame before it, and the next ones will, if nothing changes.
+
+        False while a job runs in the background, and while a changed scene waits for one.
+        """
         return self._repeated and not (self._changed or self.background.running)
 
     def make_frame(
@@ -253,22 +256,22 @@ class Pipeline:
         return max(1, round((t - last) / self.period)) if self._repeated and t > last else 1
 
     def _is_kept(self, limits: Limits, solver: Solver) -> bool:
-        """Return whether the last result is still right to play, as far as the scene has not changed."""
+        """Return whether the last result may still be played if the scene has not changed."""
         last = self.played
         same = last.solutions.limits == limits and last.solver is solver
-        return same and not last.solutions.brief
+        return same and not last.solutions.one_tick_only
 
     def _solve_in_tick(
         self, scene: Scene, limits: Limits, solver: Solver, t: float, ticks: int, *, kept: bool
     ) -> None:
-        """Sample and solve in this tick, unless the scene is at rest. Measure in the background, if that may be late.
+        """Sample and solve in this tick, unless the scene is at rest. Then measure, in the background if adaptive.
 
         ticks: number of ticks since the last one. kept: whether the last result may be played.
         """
         if not self._measures:
             self._discard_job()
         elif self.background.done or self._clocks.tick.replays:
-            self._take_job()  # at a time that is not recorded; `_solve_in_background` forgets it
+            self._take_job()  # the time of this is not recorded; `_solve_in_background` forgets it
         self._rested += ticks
         if kept and not self._changed and self.schedule.may_rest(self._rested * self.period):
             self.stages.report.skipped[NOT_DUE] += 1
@@ -308,7 +311,7 @@ class Pipeline:
                 self.stages.report.skipped[UNDER_WAY] += 1
                 return
             result = self._take_job()
-            if result is not None and result.solutions.brief:
+            if result is not None and result.solutions.one_tick_only:
                 self._solve_now(scene, limits, solver, t)
                 return
         # measure in the pause between two solves, so that no solution waits for the measurement
@@ -331,7 +334,7 @@ class Pipeline:
         self.background.start(job)
 
     def _take_job(self) -> SolveResult | None:
-        """Wait for the job in the background, and use its result; return that of a solve."""
+        """Wait for the job in the background, and use its result. Return the result of a solve, or None."""
         self._measures = False
         try:
             result = self.background.take()
@@ -385,11 +388,13 @@ class Pipeline:
             self.sampler.allowed = self._allowed
         self._scene_solver.prepare(limits, solver)
         rows = self.played.solutions.rows
-        deadline = self.deadline.choose(
-            self.schedule.max_ticks if in_background else 1,
-            in_background=in_background,
-            unhurried=at_rest and bool(rows) and rows[0].awaits_rest,
-        )
+        if in_background:
+            unhurried = at_rest and bool(rows) and rows[0].awaits_rest
+            deadline = self.deadline.choose_background_deadline(
+                self.schedule.max_ticks, unhurried=unhurried
+            )
+        else:
+            deadline = self.deadline.choose_tick_deadline()
         at = self._find_play_time(t, in_background)
         return partial(
             self._scene_solver.solve,
@@ -471,7 +476,7 @@ class Pipeline:
             return
         if not math.isnan(taken.seconds):
             seconds = MAX_LOAD * taken.seconds * self.period / max(GOOD_SOLVE_TIME, self.period)
-        elif not taken.solutions.brief:
+        elif not taken.solutions.one_tick_only:
             if taken.tells_time:
                 self.schedule.note_tick(seconds)
             return

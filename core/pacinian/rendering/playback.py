@@ -9,7 +9,7 @@ import numpy as np
 
 from pacinian.rendering.field_steering import Steering
 from pacinian.rendering.modulator import Modulator
-from pacinian.rendering.quantiser import Quantiser, Rounding, scale_down
+from pacinian.rendering.quantiser import Quantiser, Rounding, limit_rows
 from pacinian.rendering.row_times import compute_row_times
 
 if TYPE_CHECKING:
@@ -29,8 +29,8 @@ MIN_UNDITHERED_LEVELS = 64
 class Playback:
     """Makes one frame in each tick from what has been solved.
 
-    array, medium: for which. smoothing: slew-rate limit from row to row. capability: of the device. period: of a tick
-    [s]. Raises ArgumentError.
+    array, medium: for which frames are made. smoothing: slew-rate limit from row to row. capability: of the device.
+    period: of a tick [s]. Raises ArgumentError.
     """
 
     def __init__(
@@ -86,12 +86,12 @@ class Playback:
     def follow(
         self, play: SolutionSequence, inputs: tuple[object, ...], t: float, ticks: int
     ) -> bool:
-        """Follow a solution from time t [s] on; return whether its frame is the last one.
+        """Follow a solution from time t [s] on; return whether its frame equals the last one.
 
         inputs: what the frame depends on, apart from time. ticks: over which to spread a change.
         """
         self.modulator.multiply(self._steering.follow(play.motion, t, ticks))
-        return self.modulator.steady and self._steering.still and self._made == inputs
+        return self.modulator.steady and self._steering.settled and self._made == inputs
 
     def repeat(self, sequence: int, time: float) -> Frame:
         """Return the last frame once more, with this number, due at `time` [s]."""
@@ -110,7 +110,7 @@ class Playback:
         rows = self.modulator.make_rows(play, t, ticks)
         self._steering.steer(rows, t)
         if zones:
-            scale_down(rows, ceiling)
+            limit_rows(rows, ceiling)
         rounding = self._choose_rounding(limits)
         self._frame = self._quantiser.make_frame(rows, ceiling, sequence, due, rounding)
         self._made = inputs
@@ -122,7 +122,7 @@ class Playback:
 
     def copy_plain_gains(self) -> Gains:
         """Return the last gains of the frames that take turns, without envelopes and before rounding, (K, N)."""
-        return self._steering.repeat(self.modulator.copy_plain_gains())
+        return self._steering.steer_like_last(self.modulator.copy_plain_gains())
 
     def find_highest_amplitudes(self, play: SolutionSequence) -> Floats:
         """Return the highest amplitude of each transducer from now until the output has reached `play`, (N,)."""

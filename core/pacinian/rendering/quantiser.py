@@ -90,11 +90,11 @@ class Quantiser:
             kernels.quantise_by(g, can.phases, *self._inverse, highest, threshold, phase, amplitude)
 
 
-def scale_down(gains: Gains, ceiling: float) -> None:
-    """Scale down each row of gains, (K, N), in place, in which an amplitude is above `ceiling`.
+def limit_rows(gains: Gains, ceiling: float) -> None:
+    """Scale down, in place, each row of gains, (K, N), that has an amplitude above `ceiling`.
 
-    Rows whose single gains were clipped would not keep quiet zones. Envelopes of parts that cancel in a zone may add up
-    to more than the ceiling.
+    Under their envelopes, parts of the gains that cancel in a quiet zone may add up to more than `ceiling`. Clipping
+    single gains would not keep the zone quiet.
     """
     gains /= np.maximum(np.abs(gains).max(axis=1, keepdims=True) / ceiling, 1.0)
 

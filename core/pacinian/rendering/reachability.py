@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 # Cell size of the power cache [m], and largest number of its cells.
 CELL_SIZE, MAX_CELLS = 0.02, 10_000
 MAX_SUBSET = 128  # largest number of transducers used to compute the power in a cell
-MIN_PRESSURE = 1e-300  # smallest power in a cell, because it is used as a divisor [Pa^2]
+MIN_CELL_POWER = 1e-300  # smallest power in a cell, because it is used as a divisor [Pa^2]
 WEAKENED_BELOW = 0.5  # share of a target below which its sample counts as weakened
 
 
@@ -96,7 +96,7 @@ class ReachabilityFilter:
             try:
                 self._learn(np.unique(missing[:count]))
             except PointOnTransducer:  # so close to a transducer, all sound counts
-                return np.full(len(q), MIN_PRESSURE)
+                return np.full(len(q), MIN_CELL_POWER)
             kernels.look_up(q, CELL_SIZE, self._cells, self._powers, powers, missing)
         return powers
 
@@ -106,7 +106,7 @@ class ReachabilityFilter:
         place = np.stack([rest // kernels.SIDE, rest % kernels.SIDE, z], axis=1) - kernels.LARGEST
         B = matrix(self._some, CELL_SIZE * (place + 0.5), self._medium)
         share = len(self._array) / len(self._some)
-        powers = np.maximum(share * (np.abs(B) ** 2).sum(axis=1), MIN_PRESSURE)
+        powers = np.maximum(share * (np.abs(B) ** 2).sum(axis=1), MIN_CELL_POWER)
         cells = np.concatenate([self._cells, new])
         order = np.argsort(cells, kind="stable")
         self._cells, self._powers = cells[order], np.concatenate([self._powers, powers])[order]

@@ -11,8 +11,8 @@ if TYPE_CHECKING:
 class RecordingClock:
     """A clock that records its readings, or replays recorded ones.
 
-    now: the underlying clock [s]. stops: whether the time stands still if a replay reads it more often than was
-    recorded, as a solver for another array may; otherwise that is an error.
+    now: the underlying clock [s]. stops: whether a replay that reads the clock more often than was recorded gets the
+    last reading again, otherwise an error. A solver for another array may read it more often.
     """
 
     def __init__(self, now: Callable[[], float], *, stops: bool = False) -> None:

@@ -23,10 +23,11 @@ from pacinian.rendering.pipeline import Pipeline
 from pacinian.rendering.realtime_section import realtime_section
 from pacinian.rendering.recorded_settings import to_config
 from pacinian.rendering.recording_clock import RecordingClocks
-from pacinian.rendering.report import Report, StageTimer
+from pacinian.rendering.report import Report
 from pacinian.rendering.scene_log import TickInput, TickOutcome
 from pacinian.rendering.scene_warnings import add_warnings
 from pacinian.rendering.skin_loader import SkinLoader
+from pacinian.rendering.stage_timer import StageTimer
 from pacinian.rendering.tick_pacing import MAX_LAG, pace
 from pacinian.scene.sampling.ramps import RAMP_TIME
 from pacinian.scene.sampling.sample_counts import label_object
@@ -64,15 +65,16 @@ MAX_DURATION = 1e9  # longest duration of a run [s]
 class Renderer(Closeable):
     """Renders a scene on an array at a fixed rate: sample, propagate, solve, modulate, quantise, send.
 
-    scene: a `Scene`, or a function that maps the time since the first tick of `run` [s] to one (since `open` in a
-    loop of your own). The function is called every tick and once before the first, and may set the limits and the
-    solver. The scene can be replaced at any time, from any thread. backend, solver: names or objects. rate: ticks
-    per second [Hz]. limits: kept by every solution. sampler: its budget, spacing and ramps. smoothing: slew-rate
-    limit from row to row. clock: can be replaced in tests. recorder: records every tick; it is closed with the
-    renderer.
+    scene: a `Scene`, or a function that returns one for a time [s]. Time 0 is the first tick of `run`, or `open` if you
+    call `tick` in a loop of your own. The function is called every tick and once before the first, and may set the
+    limits and the solver. The scene can be replaced at any time, from any thread. backend, solver: names or objects.
+    rate: ticks per second [Hz]. limits: every solution keeps them. sampler: has the budget, the spacing and the ramps.
+    smoothing: slew-rate limit from row to row. clock: tests can replace it. recorder: records every tick; the renderer
+    closes it.
 
-    The first hand of a kind (of joints, or a mesh of given faces) may need up to some seconds, in which the output is
-    silent; not if it is in the first scene, nor for hands of joints if `scene` is a function.
+    When the first hand of a kind appears, its skin is built. This may take some seconds, in which the output is silent.
+    All hands of joints are one kind, and all hands that are meshes with the same faces. `open` builds the skins of the
+    hands in the first scene in advance, and also that of hands of joints if `scene` is a function.
 
     Envelopes are evaluated at the device's rate. If a limit couples all gains (power, quiet points, exact samples) and
     objects have different envelopes, each envelope is replaced by its mean over the tick. With quiet zones, a row
@@ -80,9 +82,9 @@ class Renderer(Closeable):
 
     Every tick sends a frame. adaptive: if ticks would be late, sampling and solving run in the background, in a thread
     of their own. Frames then stay on time, and move evenly from one solution to the next. In a scene without regions,
-    if a solve takes more than 4 ms (or a longer tick), the samples of the lowest priority are dropped until there is
-    time again. If not adaptive, solves take the time that they need, contacts with skin have more samples, and ticks
-    may be late.
+    if a solve takes more than 4 ms (or one tick, if that is longer), the samples of the lowest priority are dropped
+    until there is time again. If not adaptive, solves take the time that they need, contacts with skin have more
+    samples, and ticks may be late.
 
     strict: never degrade what the scene asks for. Nothing is coarsened, left out, merged or interpolated to save time,
     and solves take the time that they need. Ticks may therefore be late; the report names these by object and time. A
@@ -93,12 +95,13 @@ class Renderer(Closeable):
     device must play each of them 500 times a second. A region with more samples than the budget is split into
     bands, one for each frame. If transducers are at their limit, two frames render the same samples in free air
     with waves from two sides. While most solves for moving samples are late, only one frame is used. 1 disables
-    cycles. peak: highest radiation pressure on the skin of the hands [Pa]; a solution that would exceed it is
-    scaled down. Without a hand, no skin is evaluated. If `adaptive`, the output is silent from when a hand appears
-    that might get more, until a solution knows it. In a cycle, single frames press more strongly than their mean.
-    `peak` also limits the target of each of these frames, but never to less than the target of the whole cycle.
+    cycles. peak: highest radiation pressure on the skin of the hands [Pa]. A solution that would exceed it is scaled
+    down. Without a hand in the scene, no skin is evaluated. If `adaptive`, and a new hand might get more, the output is
+    silent until a solution takes this hand into account. In a cycle, single frames press more strongly than their mean.
+    Therefore, `peak` also limits the target of each frame, but never to less than the target of the whole cycle. The
+    pressure of an object that has a `force` is limited to `peak`, too.
 
-    start_thread: starts the thread that solves in the background: it runs a function in a new thread of the given name.
+    start_thread: runs a function in a new thread of the given name, for solves in the background.
 
     Use the renderer as a context manager, or call `run`, which opens and closes it. A fault, for example an exception
     in a plug-in or a lost device, silences the output until `reset`; the loop continues and counts ticks.
@@ -190,12 +193,12 @@ class Renderer(Closeable):
         return self._pipeline.playback.silent if self.halted is None else not self._emitter.loud
 
     @property
-    def still(self) -> bool:
+    def repeats(self) -> bool:
         """Whether the last tick repeated the frame before it.
 
-        The next ticks repeat it, too, unless the scene changes or something that moves comes into reach.
+        The next ticks also repeat it, unless the scene changes or something that moves comes into reach.
         """
-        return self._outcome is not None and self._pipeline.still
+        return self._outcome is not None and self._pipeline.repeats
 
     @property
     def modulator(self) -> Modulator:
@@ -310,7 +313,7 @@ class Renderer(Closeable):
             with realtime_section():
                 begins = not self.report.ticks
                 for due, lost in pace(self.clock, self.period, duration, max_lag):
-                    if begins:  # what begins at time 0 must not begin before the loop is ready
+                    if begins:  # time 0 must not be before the loop is ready
                         self.start, begins = due, False
                     self.tick(due, lost)
                     if on_tick is not None:

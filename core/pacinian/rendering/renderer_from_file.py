@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def make_renderer(file: SceneFile, path: Path | str, *, strict: bool = False) -> Renderer:
-    """Make a renderer for a scene file, which may be `strict`. Raises SceneFileError, with `path` and the key."""
+    """Make a renderer for a scene file. strict: see `Renderer`. Raises SceneFileError, with `path` and the key."""
     solver = _make("solver", file.solver, path)
     backend = _make("backend", file.backend, path)
     try:

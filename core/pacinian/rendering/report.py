@@ -22,7 +22,7 @@ from pacinian.skip_reasons import split_skips
 from pacinian.solving.felt_figures import FeltSums
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection
+    from collections.abc import Collection
 
     from pacinian.rendering.deviation_log import Reasons
     from pacinian.solving.felt_figures import FeltRegion
@@ -30,9 +30,10 @@ if TYPE_CHECKING:
     from pacinian.types import Floats
 
 MAX_LISTED = 4  # largest number of objects in a notebook's card
+# Stages of a tick; before them, "open".
 Stage = Literal["open", "scene", "sample", "solve", "drive", "send", "record", "silence"]
 
-# A measurement at this many places or more whose force or rms error exceeds these is a deviation.
+# A measurement at MIN_JUDGED_PLACES or more is a deviation if its force or its rms error is wrong by more than these.
 MIN_JUDGED_PLACES, MAX_MEASURED_FORCE_ERROR, MAX_MEASURED_RMS = 16, 0.15, 0.25
 # A pressure above this on skin beside the touched skin, over the mean pressure asked for, is a deviation.
 MAX_MEASURED_SPILL = 2.0
@@ -46,8 +47,9 @@ REMEMBERED = 100_000
 class Fault:
     """An error that silenced the output.
 
-    tick: number of the tick. stage: "scene", "sample", "solve", "drive", "send", "record" or "silence". message: text
-    of the exception. error: the exception itself; a report keeps it for its last fault only.
+    tick: number of the tick. stage: "scene", "sample", "solve", "drive", "send", "record" or "silence"; never "open",
+    because `Renderer.open` raises its exceptions. message: text of the exception. error: the exception itself; a report
+    keeps it for its last fault only.
     """
 
     tick: int
@@ -258,26 +260,3 @@ def _is_uneven(sums: FeltSums) -> bool:
     """Return whether a measurement shows clearly more or less than the target, or great unevenness."""
     felt = sums.felt
     return abs(felt.force - 1.0) > MAX_MEASURED_FORCE_ERROR or felt.rms > MAX_MEASURED_RMS
-
-
-class StageTimer:
-    """Knows the present stage of a tick, and adds the duration of each stage to a report.
-
-    now: returns the time [s]. report: may be replaced.
-    """
-
-    def __init__(self, now: Callable[[], float], report: Report) -> None:
-        self.report = report
-        self.stage: Stage = "open"
-        self.now = now
-        self._entered = 0.0  # [s]
-
-    def begin(self, stage: Stage, report: Report, time: float) -> None:
-        """Begin with this stage at `time` [s], and count in this report."""
-        self.report, self.stage, self._entered = report, stage, time
-
-    def enter(self, stage: Stage) -> None:
-        """End the present stage and begin the next."""
-        now = self.now()
-        self.report.stages[self.stage] += now - self._entered
-        self.stage, self._entered = stage, now

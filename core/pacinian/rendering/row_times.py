@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from pacinian.plugins.backend import Capability
     from pacinian.types import Floats
 
-MAX_MISMATCH = 1e-3  # largest relative difference of the frames that a device plays and gets
+MAX_MISMATCH = 1e-3  # largest relative difference of the rows that a device plays and gets
 MAX_ROWS = 1000  # largest number of rows of a tick
 MAX_SERVER_ROWS = 64  # the same for the server, whose frames have a fixed size in shared memory
 

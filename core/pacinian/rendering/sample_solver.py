@@ -12,11 +12,11 @@ import numpy as np
 from pacinian.acoustics.pressure import radiation_pressure, sound_pressure
 from pacinian.acoustics.skin_facing import SkinFacing
 from pacinian.region_numbers import BESIDE
-from pacinian.rendering.cached_solution import CachedSolution
+from pacinian.rendering.cached_solution import RETRY_INTERVAL, CachedSolution
 from pacinian.rendering.contact_follower import ContactFollower
 from pacinian.rendering.envelope_gains import MIN_POWER
 from pacinian.rendering.envelope_groups import EnvelopeGroups, split_contributions
-from pacinian.rendering.field_steering import find_factors
+from pacinian.rendering.field_steering import MAX_MISPLACEMENT, find_factors
 from pacinian.rendering.reachability import WEAKENED_BELOW
 from pacinian.rendering.skin_limit import SkinLimit
 from pacinian.rendering.solution_sequence import SolutionSequence
@@ -42,17 +42,16 @@ if TYPE_CHECKING:
 # Largest size of the cache of solutions for the steps of a modulation [bytes].
 CACHE_BYTES = 32 << 20
 # Largest ratio of new to old error at which a late solution counts as improved.
-MAX_ERROR_RATIO = 0.99
+MAX_IMPROVED_RATIO = 0.99
 MISSED_BELOW = 0.9  # share of its target below which a sample counts as weaker than asked
-# Largest movement of samples since their last solve for which no other solve is made, a twentieth of a wavelength [m],
-# and longest time from one solve to the next while they move so slowly [s].
-MAX_UNSOLVED_MOVEMENT, MAX_PAUSE = 4e-4, 0.033
+# Samples creep if they move, but are at most MAX_MISPLACEMENT from where they were solved for. They are solved for
+# again this time after the last solve [s].
+MAX_CREEP_TIME = 0.033
 # Number of successive solves without improvement after which the next one waits for RETRY_INTERVAL.
-MAX_TRIES = 6
-# Pause before the next solve after MAX_TRIES [s]. A busy processor may have spoilt the solves before.
-RETRY_INTERVAL = 0.25
-# Pause before regions at rest are solved without a deadline [s], and longest solve with one after which they are [s].
-# The solve without one takes up to five times as long, unless the scene changes.
+MAX_FAILED_IMPROVEMENTS = 6
+# Regions that have been at rest for REST_BEFORE_LONG_SOLVE [s] are solved for once more, without a deadline, if the
+# last solve had a deadline and took at most MAX_HURRIED_TIME [s]. The solve without a deadline takes up to five times
+# as long as that one. It ends early if the scene changes.
 REST_BEFORE_LONG_SOLVE, MAX_HURRIED_TIME = 0.1, 0.02
 
 Step = tuple[object, ...]
@@ -63,11 +62,11 @@ class SampleSolver:
     """Solves for samples.
 
     session: solves. times: of a tick's rows, from its start, (K,) [s]. cycle: renders regions in several frames, if
-    allowed; its `peak` is the highest pressure on skin. fresh: the solutions of the last call of `solve` that are new.
+    allowed; its `peak` also limits the pressure on skin. fresh: the solutions of the last call of `solve` that are new.
     skipped: counts samples and solves that were left out, by reason. round_gains: rounds gains as the device does; by
-    default, it does not. skins: of the hands in the scene. spares_solves:
-    whether to solve only as often as skin needs it: samples that have hardly moved count as not moved, fields move with
-    their samples, and regions at rest will be solved for without a deadline. The render loop sets both.
+    default, it does not. skins: of the hands in the scene. spares_solves: whether to solve only as often as skin needs
+    it. Samples that creep are then not solved for again, fields move with their samples, and regions at rest are solved
+    for without a deadline. The render loop sets `skins` and `spares_solves`.
     """
 
     session: Session
@@ -97,7 +96,7 @@ class SampleSolver:
         self._steps: dict[Step, CachedSolution] = {}
         self._by_technique: tuple[Samples, list[tuple[Object, Samples]]] = (no_samples(), [])
         self._growth = 1.0
-        # Samples of a cycle, those of them that are solved for, and which these are, (M,).
+        # Samples of a cycle, those of them that are solved for, and the mask of these, (M,).
         self._common = no_samples(), no_samples(), np.zeros(0, np.bool_)
         # Samples of a cycle that get clearly less than their target, (M,).
         self._missed = np.zeros(0, np.bool_)
@@ -134,7 +133,7 @@ class SampleSolver:
             if steered is not None:
                 self._contacts.reset()
                 return steered
-        creeps = self.spares_solves and kept and self._is_near(samples, t)
+        creeps = self.spares_solves and kept and self._are_creeping(samples, t)
         if creeps:
             samples = self._samples
         solutions = self._solve(samples, t, limits, solver, deadline, once=creeps)
@@ -161,7 +160,7 @@ class SampleSolver:
         samples, limits = solutions.samples, solutions.limits
         if samples.capsules is None or limits.forbids_steering:
             return False
-        one = not (solutions.cycle or solutions.each or solutions.brief)
+        one = not (solutions.cycle or solutions.one_per_row or solutions.one_tick_only)
         pressed = samples.regions[samples.radiation_pressure > 0.0]
         return one and len(pressed) > 0 and bool((pressed >= 0).all())
 
@@ -173,7 +172,7 @@ class SampleSolver:
                 frame.solved = replace(frame.solved, gains=frame.solved.gains * factors)
 
     def _is_due(self, solutions: SolutionSequence, t: float) -> bool:
-        """Return whether another solve at time t [s] may come nearer to the targets."""
+        """Return whether another solve at time t [s] may bring `solutions` nearer to the targets."""
         return (
             self.cycle.due(t) is not None
             if solutions.cycle
@@ -186,8 +185,8 @@ class SampleSolver:
     ) -> SolutionSequence:  # fmt: skip
         """Return what to play for `samples` at time t [s].
 
-        once: see `_solve_cycle_frame`. guarded: whether the caller goes on playing a better solution than that of
-        frames that run out of time, so that two frames may be tried again.
+        once: see `_solve_cycle_frame`. guarded: whether the caller plays an earlier solution if that of this solve is
+        worse because it ran out of time. Therefore, two frames may be tried again.
         """
         key, last = (samples, limits, solver), self._last
         if (
@@ -212,7 +211,7 @@ class SampleSolver:
             return self._solve_cycle_frame(samples, t, limits, solver, deadline, once=once)
         self.cycle.forget()
         last = self._last
-        if last is not None and last.rows[0].needs_no_solve(t) and not last.brief:
+        if last is not None and last.rows[0].needs_no_solve(t) and not last.one_tick_only:
             self.skipped[NOTHING_MOVED] += 1
             return last
         base, parts = self._by_technique
@@ -233,19 +232,19 @@ class SampleSolver:
             else:
                 self.skipped[STEP_KNOWN] += 1
             solved.append(kept)
-        return self._make(samples, limits, tuple(solved), each=True, brief=True)
+        return self._make(samples, limits, tuple(solved), one_per_row=True, one_tick_only=True)
 
     def _make(
         self, samples: Samples, limits: Limits, rows: tuple[CachedSolution, ...],
-        *, each: bool = False, brief: bool = False,
+        *, one_per_row: bool = False, one_tick_only: bool = False,
     ) -> SolutionSequence:  # fmt: skip
-        brief = brief or any(one.averaged for one in rows)
+        one_tick_only = one_tick_only or any(one.averaged for one in rows)
         return SolutionSequence(
             samples,
             limits,
             rows,
-            each,
-            brief=brief,
+            one_per_row,
+            one_tick_only=one_tick_only,
             growth=self._growth,
             hurried=self.cycle.hurried,
         )
@@ -272,13 +271,13 @@ class SampleSolver:
             self.cycle.frames[0], samples, P, groups, joint, limits, solver, deadline,
             again=kept is not None,
         )  # fmt: skip
-        better = kept is None or made.solution.error <= MAX_ERROR_RATIO * kept.solution.error
+        better = kept is None or made.solution.error <= MAX_IMPROVED_RATIO * kept.solution.error
         if kept is not None and kept.evaluated and not better:
             failures, final = kept.failed_improvements + 1, made.final
-            waits = final or failures >= MAX_TRIES
+            waits = final or failures >= MAX_FAILED_IMPROVEMENTS
             retry = t + RETRY_INTERVAL if waits else t
             solution = kept.solution
-            if final:  # it is as good as one that had all the time that it needed
+            if final:  # the old solution is as good as the new one, which had enough time
                 solution = replace(solution, late=False, status=made.solution.status)
             made = replace(
                 kept,
@@ -299,11 +298,11 @@ class SampleSolver:
         self._steps[step] = made
         return made
 
-    def _is_near(self, samples: Samples, t: float) -> bool:
-        """Return whether the last solution is still good enough for samples that move slowly, at time t [s]."""
-        if samples is self._samples or not 0.0 <= t - self._begun < MAX_PAUSE:
+    def _are_creeping(self, samples: Samples, t: float) -> bool:
+        """Return whether the samples creep, so that they need no other solve at time t [s]."""
+        if samples is self._samples or not 0.0 <= t - self._begun < MAX_CREEP_TIME:
             return False
-        return samples.is_near(self._samples, MAX_UNSOLVED_MOVEMENT)
+        return samples.is_near(self._samples, MAX_MISPLACEMENT)
 
     def _solve_cycle_frame(
         self, samples: Samples, t: float, limits: Limits, solver: Solver, deadline: float, *, once: bool
@@ -348,7 +347,7 @@ class SampleSolver:
     ) -> CachedSolution:  # fmt: skip
         """Return a new solution for radiation pressures P, (M,) [Pa], minus the share of the cycle's other frames.
 
-        joint: whether P already contains the groups' strengths. again: whether there is one for these samples.
+        joint: whether P already contains the groups' strengths. again: whether there is a solution for these samples.
         """
         several, whole = self.cycle.count > 1, samples
         q = samples.positions

@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from pacinian.plugins.solver import Solver
     from pacinian.rendering.loop_settings import LoopSettings
     from pacinian.rendering.playback import Playback
-    from pacinian.rendering.report import StageTimer
     from pacinian.rendering.sample_solver import SampleSolver
+    from pacinian.rendering.stage_timer import StageTimer
     from pacinian.scene.sampling.sampler import Sampler
     from pacinian.scene.scene import Scene
     from pacinian.solving.limits import Limits
@@ -56,7 +56,7 @@ class SceneSolver:
         self._weak: tuple[tuple[object, ...], WeakSamples] = (), WeakSamples(Counter(), Counter())
 
     def prepare(self, limits: Limits, solver: Solver) -> None:
-        """Tell the sampler what the next solve's limits and solver mean for it."""
+        """Set the mode of the sampler for the limits and the solver of the next solve."""
         settings, couples = self._settings, limits.couples_gains
         self._sampler.mode = SamplingMode(
             bands=1 if couples else self._sample_solver.cycle.max_bands,
@@ -74,7 +74,7 @@ class SceneSolver:
     ) -> SolveResult:  # fmt: skip
         """Sample the scene of time t [s], and solve for its samples.
 
-        at: time for which positions and gains are to hold [s]. deadline: of the solve, from its beginning [s]; may be
+        at: time for which positions and gains hold [s]. deadline: of the solve, from its beginning [s]; may be
         infinite. last: the result that is played. stages: timer of the stages; the current one is "sample".
         in_background: whether this runs in the background.
         """
@@ -114,7 +114,7 @@ class SceneSolver:
         )  # fmt: skip
 
     def _count_weak_samples(self, solutions: SolutionSequence, rising: set[str]) -> WeakSamples:
-        """Count the samples that press less than asked; anew only if these solutions, or what rises, are others."""
+        """Count the samples that press less than asked. Return the last result if nothing that matters has changed."""
         rows, missed, samples = solutions.rows, solutions.missed, solutions.solved_samples
         key = rows, missed, samples, rising
         if key != self._weak[0]:
@@ -132,7 +132,7 @@ class SceneSolver:
                 counts.drop(reason, found)
 
     def _compute_pressures(self, solutions: SolutionSequence, limits: Limits) -> Floats | None:
-        """Return the pressures at the samples of what has just been solved.
+        """Return the pressures at the samples of new solutions.
 
         None if no propagator has these points any more.
         """

@@ -1,4 +1,6 @@
-"""Keep the radiation pressure on the skin that is seen below a limit, also where no target was set.
+"""Keep the radiation pressure on the skin that is seen at or below `peak`, also where no target was set.
+
+`peak` is the limit that a `Renderer` is given. "Highest" pressures are those that are found.
 
 The skin is that of the hands in the scene, where they were last seen, as far as a transducer may see it. It is
 evaluated at points half a wavelength apart, then near the strongest of these at points closer and closer together.
@@ -37,7 +39,7 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Flags, Floats, Gains, Indices
 
 SPACING = 0.58  # spacing of the first points on the skin, over the wavelength
-# Largest ratio of a peak between the first points to the pressure at the nearest of them.
+# Largest ratio of the pressure between the first points to the pressure at the nearest of them.
 MAX_HIDDEN_RATIO = 8.0
 # A first point is skipped if the cosine between its normal and the direction to every transducer is below this.
 MIN_COSINE = -0.5
@@ -47,14 +49,16 @@ RINGS = 3  # number of rings of points around each of the strongest points, in t
 FINEST = 0.05  # spacing of the points in the last step, over the wavelength
 # Size of a hand, over the usual one, above which a step with wider rings comes first.
 MIN_LARGE_SIZE = 1.25
-MAX_PEAKS = 16  # largest number of points around which the last steps search
-# Only points with at least this share of the highest pressure, or of the limit if that is higher, may hide a higher
-# pressure near them.
-MIN_PEAK_SHARE = 0.6
+MAX_STRONGEST = 16  # largest number of points around which the last steps search
+# Smallest pressure of such a point, relative to the highest pressure so far, or to the limit if that is higher. Near
+# weaker points, there is no higher pressure.
+MIN_STRONGEST_SHARE = 0.6
 CHUNK = 64  # number of points that are evaluated at a time
 # Number of phases at which the sum of groups is evaluated to find its largest amplitude.
 SUM_PHASES = 16
-MARGIN = 1.03  # factor on the highest pressure found, because the finest points may miss a peak
+MARGIN = (
+    1.03  # factor on the highest pressure found, because a higher one may lie between the points
+)
 MIN_LENGTH = 1e-9  # smallest length of a vector used as a divisor
 # If the highest pressure is at most this share of the limit, the next solutions that are like it are not evaluated.
 MAX_UNEVALUATED_SHARE = 0.25
@@ -65,13 +69,13 @@ MAX_LIKE_RATIO = 1.2
 
 
 class _Summary(NamedTuple):
-    """What describes an evaluated solution, to compare the next ones with it.
+    """Describes an evaluated solution, so that the next ones can be compared with it.
 
-    limit: of the pressure on skin [Pa]. drive: sum of the gains' amplitudes. asked: highest target [Pa]. middle: of the
-    samples, (3,) [m]. hands: their centres by name, (3,) [m].
+    peak: limit of the pressure on skin [Pa]. drive: sum of the gains' amplitudes. asked: highest target [Pa]. middle:
+    of the samples, (3,) [m]. hands: their centres by name, (3,) [m].
     """
 
-    limit: float
+    peak: float
     drive: float
     asked: float
     middle: Floats
@@ -104,41 +108,41 @@ class SkinLimit:
         self._passed = 0  # solutions since then
 
     def enforce(
-        self, made: CachedSolution, skins: Sequence[PosedSkin], limit: float, *, again: bool = False
+        self, made: CachedSolution, skins: Sequence[PosedSkin], peak: float, *, again: bool = False
     ) -> CachedSolution:
-        """Return a solution, scaled down if its pressure on skin would exceed the limit [Pa].
+        """Return a solution, scaled down if its pressure on skin would exceed `peak` [Pa].
 
         again: whether the samples are the same as for the previous solution; then this one is always evaluated.
         Otherwise, if it is like the last evaluated one, it may be returned unevaluated, and as not final.
         """
-        if limit == math.inf or not len(made.samples):
+        if peak == math.inf or not len(made.samples):
             return made
         if not skins:
             self.reset()  # a hand that comes back is evaluated at once
             return made
         contributions = made.gains[None] if made.contributions is None else made.contributions
-        peak = self.find_peak(contributions, skins, made.samples, limit, again=again)
-        if peak is None:
+        highest = self.find_highest_pressure(contributions, skins, made.samples, peak, again=again)
+        if highest is None:
             return replace(made, evaluated=False, final=False, steady=False)
-        return scale_down(made, limit, peak) if peak > limit else made
+        return scale_to_peak(made, peak, highest) if highest > peak else made
 
-    def holds_for(self, hand: Hand, amplitudes: Floats, limit: float) -> bool:
-        """Return whether transducers with these amplitudes, (N,), keep the limit [Pa] at a hand, whatever their phases.
+    def holds_for(self, hand: Hand, amplitudes: Floats, peak: float) -> bool:
+        """Return whether transducers with these amplitudes, (N,), cannot exceed `peak` [Pa] at a hand, at any phases.
 
         hand: one that is not lost; its skin need not be known.
         """
         thick = 0.0 if hand.joints is None else float(hand.radii.max())
         q = hand.carriers
         low, high = q.min(axis=0) - thick, q.max(axis=0) + thick
-        return self._is_below(amplitudes[None], low, high, limit)
+        return self._is_below(amplitudes[None], low, high, peak)
 
-    def find_peak(
-        self, contributions: Gains, skins: Sequence[PosedSkin], samples: Samples, limit: float,
+    def find_highest_pressure(
+        self, contributions: Gains, skins: Sequence[PosedSkin], samples: Samples, peak: float,
         *, again: bool = False,
     ) -> float | None:  # fmt: skip
         """Return the highest radiation pressure on the skins [Pa] that gains can cause.
 
-        Returns 0 if it is clearly below `limit` [Pa], and None if the gains are not evaluated, because they are like
+        Returns 0 if it is clearly below `peak` [Pa], and None if the gains are not evaluated, because they are like
         the last ones that were. again: as for `enforce`.
 
         contributions: to the gains, (V, N), each of which sounds with a factor from 0 to 1 of its own.
@@ -147,13 +151,13 @@ class SkinLimit:
         asked = float(samples.radiation_pressure.max(initial=0.0))
         middle = samples.positions.mean(axis=0)
         hands = {skin.hand.name: np.array(skin.centre) for skin in skins}
-        summary = _Summary(limit, float(np.abs(contributions).sum()), asked, middle, hands)
+        summary = _Summary(peak, float(np.abs(contributions).sum()), asked, middle, hands)
         if not again and self._is_like_last(summary):
             self._passed += 1
             return None
-        peak = self._evaluate_peak(contributions, skins, samples, limit)
-        self._last, self._passed = (summary if peak <= MAX_UNEVALUATED_SHARE * limit else None), 0
-        return peak
+        highest = self._evaluate_skins(contributions, skins, samples, peak)
+        self._last, self._passed = (summary if highest <= MAX_UNEVALUATED_SHARE * peak else None), 0
+        return highest
 
     def _is_like_last(self, summary: _Summary) -> bool:
         """Return whether a solution is not evaluated, because it is like the last one that was."""
@@ -169,27 +173,25 @@ class SkinLimit:
             or summary.asked > MAX_LIKE_RATIO * last.asked
         )
         near = all(float(d @ d) < self._wavelength**2 for d in moved)
-        return summary.limit == last.limit and not more and near
+        return summary.peak == last.peak and not more and near
 
-    def _evaluate_peak(
-        self, contributions: Gains, skins: Sequence[PosedSkin], samples: Samples, limit: float
+    def _evaluate_skins(
+        self, contributions: Gains, skins: Sequence[PosedSkin], samples: Samples, peak: float
     ) -> float:
-        """Return the highest radiation pressure [Pa]; 0 if the transducers' pressures cannot add up to the limit."""
+        """Return the highest radiation pressure [Pa]; 0 if the transducers' pressures cannot add up to `peak`."""
         capsules = np.concatenate([np.empty((0, 8)), *(skin.capsules for skin in skins)])
         skins = [
             skin
             for skin in skins
-            if not self._is_below(contributions, skin.box[:3], skin.box[3:], limit)
+            if not self._is_below(contributions, skin.box[:3], skin.box[3:], peak)
         ]
         if not skins:
             return 0.0
-        points, normals, owner, P = self._find_strong(
-            contributions, skins, samples, limit, capsules
-        )
-        peak, stretch = float(P.max(initial=0.0)), max(map(_stretch, skins))
+        points, normals, owner, P = self._find_strong(contributions, skins, samples, peak, capsules)
+        highest, stretch = float(P.max(initial=0.0)), max(map(_stretch, skins))
         for step in (stretch, 1.0) if stretch > MIN_LARGE_SIZE else (1.0,):
-            best = np.argsort(P)[-MAX_PEAKS:]
-            best = best[P[best] >= MIN_PEAK_SHARE * max(peak, limit)]
+            best = np.argsort(P)[-MAX_STRONGEST:]
+            best = best[P[best] >= MIN_STRONGEST_SHARE * max(highest, peak)]
             if not len(best):
                 break
             points, normals = spread(
@@ -201,11 +203,11 @@ class SkinLimit:
                 own = owner == k
                 points[own], normals[own], _ = skin.closest(points[own])
             P = self._evaluate(contributions, points, SkinFacing.of(normals, capsules))
-            peak = max(peak, float(P.max()))
-        return MARGIN * peak
+            highest = max(highest, float(P.max()))
+        return MARGIN * highest
 
     def _find_strong(
-        self, contributions: Gains, skins: Sequence[PosedSkin], samples: Samples, limit: float,
+        self, contributions: Gains, skins: Sequence[PosedSkin], samples: Samples, peak: float,
         capsules: Floats,
     ) -> tuple[Floats, Floats, Indices, Floats]:  # fmt: skip
         """Return points of skin near those whose pressure is high, and isolated samples.
@@ -223,7 +225,7 @@ class SkinLimit:
             P[shown] = self._evaluate(contributions, skin.points[shown])
             # Skin that a bent joint uncovers has none of the first points near it, so it is always evaluated.
             near = np.flatnonzero(
-                (limit / MAX_HIDDEN_RATIO <= P)[owners].any(axis=1) | skin.skin.hidden
+                (peak / MAX_HIDDEN_RATIO <= P)[owners].any(axis=1) | skin.skin.hidden
             )
             near = self._find_shown(skin, near, 0.0)
             found.append((skin.points[near], skin.normals[near]))
@@ -251,9 +253,9 @@ class SkinLimit:
         return np.asarray((along > least * np.sqrt(np.maximum(squared, 0.0))).any(axis=1))
 
     def _is_below(
-        self, contributions: Gains | Floats, low: Floats, high: Floats, limit: float
+        self, contributions: Gains | Floats, low: Floats, high: Floats, peak: float
     ) -> bool:
-        """Return whether the sum of the transducers' pressures is below the limit in a whole box, and just around it.
+        """Return whether the sum of the transducers' pressures is below `peak` [Pa] in a whole box, and just around it.
 
         low, high: corners of the box, (3,) [m].
         """
@@ -266,7 +268,7 @@ class SkinLimit:
         reach = pressure * float(np.abs(wave.table).max()) * self._response
         each = reach * distance**-power * np.exp(-beta * distance)
         return bool(
-            each @ np.abs(contributions).sum(axis=0) < float(sound_pressure(limit, self._medium))
+            each @ np.abs(contributions).sum(axis=0) < float(sound_pressure(peak, self._medium))
         )
 
     def _evaluate(
@@ -324,11 +326,14 @@ def spread(points: Floats, normals: Floats, rings: int, spacing: float) -> tuple
     return made.reshape(-1, 3), np.repeat(normals, len(x), axis=0)
 
 
-def scale_down(made: CachedSolution, limit: float, peak: float) -> CachedSolution:
-    """Return a solution, all of it scaled down so that its highest radiation pressure `peak` is `limit` [Pa]."""
-    share = limit / peak
+def scale_to_peak(made: CachedSolution, peak: float, highest: float) -> CachedSolution:
+    """Return a solution, all of it scaled down so that its highest radiation pressure on skin is `peak` [Pa].
+
+    highest: this pressure before scaling [Pa].
+    """
+    share = peak / highest
     note = (
-        f"{peak:.3g} Pa on the skin would exceed the limit of {limit:.3g} Pa: "
+        f"{highest:.3g} Pa on the skin would exceed the limit of {peak:.3g} Pa: "
         f"all pressures are {share:.0%} of the solver's"
     )
     return replace(made.scale(math.sqrt(share), note), limited=True)

@@ -1,4 +1,4 @@
-"""Move the gains from row to row: interpolate between solutions, and limit the slew rate, as jumps are audible."""
+"""Interpolate the gains from one solution to the next, and limit their slew rate, because jumps are audible."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the ticks play for some samples, and the result of a solve, which hands it to them."""
+"""The solutions that the ticks play for some samples, and the result of the job that made them."""
 
 from __future__ import annotations
 
@@ -29,37 +29,37 @@ if TYPE_CHECKING:
 
 RISEN_FROM = 0.99  # share of the full force from which ramps count as ended
 
-# Largest distance of a hand from where a solution was made for it at which it is known [m]. A hand at 1 m/s needs as
-# much if each solution is played for 75 ms.
+# A solution knows a hand that is at most this far from where it was when the solution was made [m]. A hand at 1 m/s
+# needs this much if each solution is played for 75 ms.
 MAX_KNOWN_DISTANCE = 0.08
 
 
 @dataclass(frozen=True, eq=False)
 class SolutionSequence:
-    """What to play for some samples.
+    """The solutions to play for some samples.
 
-    samples: those asked for. limits: that all gains keep. rows: the solutions to play, in turn if there are
-    several. each: whether every row of a tick has a solution of its own, because a technique moves the samples; `rows`
+    samples: those asked for. limits: that all gains keep. rows: the solutions to play, in turn if there are several.
+    one_per_row: whether every row of a tick has a solution of its own, because a technique moves the samples; `rows`
     then has one entry for each row. cycle: whether the solutions are the frames of a cycle, and people feel their mean.
     complete: whether all frames of the cycle are solved. common: in a cycle, the samples of all frames together that
-    are solved for. asked: target radiation pressure of `common`, (M,) [Pa]. brief: whether this is valid for one tick
-    only, because a technique moves the samples or an envelope is averaged over the tick. growth: factor by which the
-    gains will grow once the samples reach the full pressure of their objects. hurried: whether regions get fewer frames
-    than they could have, for want of time. missed: in a cycle, indices of the samples that get clearly less than their
-    target from all frames together, by the last solve that each sample was part of. motion: how `samples` have moved
-    since the solve; None if the field stays where it was solved for. before_motion: the samples of the solve, if
-    `samples` have moved since.
+    are solved for. asked: target radiation pressure of `common`, (M,) [Pa]. one_tick_only: whether this is valid for
+    one tick only, because a technique moves the samples or an envelope is averaged over the tick. growth: factor by
+    which the gains will grow once the samples reach the full pressure of their objects. hurried: whether regions get
+    fewer frames than they could have, for want of time. missed: in a cycle, indices of the samples that get clearly
+    less than their target from all frames together, by the last solve that each sample was part of. motion: how
+    `samples` have moved since the solve; None if the field stays where it was solved for. before_motion: the samples of
+    the solve, if `samples` have moved since.
     """
 
     samples: Samples
     limits: Limits
     rows: tuple[CachedSolution, ...] = ()
-    each: bool = False
+    one_per_row: bool = False
     cycle: bool = False
     complete: bool = True
     common: Samples | None = None
     asked: Floats | None = None
-    brief: bool = False
+    one_tick_only: bool = False
     growth: float = 1.0
     hurried: bool = False
     missed: tuple[int, ...] = ()
@@ -80,8 +80,8 @@ class SolutionSequence:
     def muted(self) -> SolutionSequence:
         """The same with gains of 0, into which the output fades; without the jumps of a technique."""
         rows = {one: replace(one, gains=0.0 * one.gains, contributions=None) for one in self.rows}
-        played = self.rows[-1:] if self.each else self.rows
-        return replace(self, rows=tuple(rows[one] for one in played), each=False)
+        played = self.rows[-1:] if self.one_per_row else self.rows
+        return replace(self, rows=tuple(rows[one] for one in played), one_per_row=False)
 
     @property
     def played_samples(self) -> Samples | None:
@@ -119,8 +119,8 @@ class SolveResult(NamedTuple):
     pressure amplitude at the played samples, as emitted where they were solved for, (M,) [Pa]; None if it is not known.
     time: scene time for which this was solved [s]. seconds: duration in the background [s]; NaN if it ran in a tick.
     too_fast: labels of the objects whose vibration the device cannot play. seen_hands: joints or vertices of the hands
-    whose skin was known, by name, (P, 3) [m]. labels: of all objects that it concerns. deviations: what it leaves out
-    or changes, see `describe_solve`.
+    with whose skin this was solved, by name, (P, 3) [m]. labels: of all objects that this concerns. deviations: what
+    this leaves out or changes, see `describe_solve`.
     """
 
     scene: Scene
@@ -137,7 +137,7 @@ class SolveResult(NamedTuple):
     deviations: Reasons = NOTHING
 
     def knows(self, hand: Hand) -> bool:
-        """Return whether the skin of a hand was known roughly where it is, or the hand was sent then as it is now."""
+        """Return whether this was solved with the skin of a hand near its present place, or with an equal hand."""
         then = self.seen_hands.get(hand.name)
         if then is not None and then.shape == hand.carriers.shape:
             d = hand.carriers - then

@@ -17,11 +17,11 @@ if TYPE_CHECKING:
 
 # Largest shift, relative to the distance from the nearest transducer, after which samples are solved for again. It is
 # larger (MAX_LIMITED_SHIFT) if transducers are at their limit, because solutions are then less exact and take longer.
-# It is largest (MAX_LATE_SHIFT) while a solve that ran out of time goes on, because no other one begins meanwhile.
+# It is largest (MAX_LATE_SHIFT) while solves for the same samples go on, because the last one ran out of time.
 MAX_SHIFT, MAX_LIMITED_SHIFT, MAX_LATE_SHIFT = 0.02, 0.06, 0.15
 LIMITED_FROM = 0.02  # share of the transducers at their limit from which MAX_LIMITED_SHIFT holds
 # Largest error of a solution that ran out of time, relative to that of the solution that it replaces.
-MAX_ERROR_RATIO = 1.25
+MAX_WORSENING = 1.25
 # Factor on the time that a solve may take while there is a field to steer.
 STEERED_TIME_FACTOR = 2.5
 
@@ -56,10 +56,9 @@ class SteeredSolver:
     ) -> SolutionSequence | None:  # fmt: skip
         """Return what to play for samples whose positions are those at time t [s]; None if they are close to the array.
 
-        solve: solves for samples, within a factor on the time that there is. is_due: whether a further solve for the
-        same samples may come nearer to the targets. move: steers all solutions that the next solve starts from; its
-        arguments are the centre of their samples and where to move it, (3,) [m]. Call `reset` if other limits or
-        another solver are used.
+        solve: solves for samples, within the usual time multiplied by a factor. is_due: whether a further solve for the
+        same samples may come nearer to the targets. move: steers the solutions from which the next solve starts, from
+        the centre of their samples to another place, (3,) [m]. Call `reset` if other limits or another solver are used.
         """
         tracker, motion, anchor = self._tracker, None, self._anchor
         tracker.track(samples, t)
@@ -103,4 +102,4 @@ class SteeredSolver:
 def _is_worse(solutions: SolutionSequence, played: SolutionSequence) -> bool:
     """Return whether the largest error of the frames at their samples has clearly grown."""
     now, before = (max(one.solution.error for one in each.rows) for each in (solutions, played))
-    return now > MAX_ERROR_RATIO * before
+    return now > MAX_WORSENING * before

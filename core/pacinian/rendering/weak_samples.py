@@ -35,7 +35,7 @@ MAX_LOST_WHILE_RISING = 0.05
 
 
 class WeakSamples(NamedTuple):
-    """Number of samples that press less than asked, by label of their object, for the objects that skin could miss.
+    """Number of samples that press less than asked, by label of their object, if skin could feel the loss.
 
     weakened: little sound reaches them. missed: the solution gives them less than their targets.
     """
@@ -102,9 +102,9 @@ def _count_felt(losses: Iterable[_Loss], rising: Collection[str]) -> Counter[str
 
 
 def _find_weakened(short: Iterable[CachedSolution]) -> Iterator[_Loss]:
-    """Yield the samples that little sound reaches, as if all of their force were lost; it is more than half of it.
+    """Yield the samples that little sound reaches. All of their force counts as lost, because more than half of it is.
 
-    The frames of a cycle have their samples in common.
+    The frames of a cycle have the same samples, so each sample is counted once.
     """
     found: dict[int, tuple[Samples, set[int]]] = {}
     for one in short:
@@ -157,7 +157,7 @@ def _find_weak_regions(solutions: SolutionSequence) -> Iterator[_Loss]:
 def _find_mean_pressures(solutions: SolutionSequence) -> tuple[Samples, Floats, Floats]:
     """Return the samples of a cycle that are solved for, and the pressures asked for and made there, (M',) [Pa].
 
-    What bands make beyond their own samples is left out.
+    The pressure that a band makes beyond its own samples is left out.
     """
     assert solutions.common is not None
     assert solutions.asked is not None

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 TOO_COARSE = "the device's levels are too coarse for the quiet zones"
 # Factors on all gains for which the rounded gains are evaluated: ramps and envelopes give gains any strength.
 STRENGTHS = np.linspace(1.0, 0.04, 25, dtype=np.float32)
-MAX_TRIES = 6  # largest number of factors that are tried before silence
+MAX_FACTORS = 6  # largest number of factors that are tried; then the output is silent
 AIM = 0.9  # loudness for which a factor is chosen, relative to the limit
 
 
@@ -34,7 +34,7 @@ def keep_zones_quiet(
     `QuietSubspace.measure_excess`.
     """
     factor, scaled = 1.0, made
-    for attempt in range(MAX_TRIES):
+    for attempt in range(MAX_FACTORS):
         rounded = np.stack([round_gains(a * scaled.gains) for a in STRENGTHS])
         loudness = zones.measure_excess(rounded)
         if loudness <= 1.0:

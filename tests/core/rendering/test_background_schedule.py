@@ -13,12 +13,12 @@ from pacinian.rendering.background_schedule import (
     FAR_TOO_LONG,
     LONG_SHARE,
     MAX_FITTING,
-    MAX_INTERVAL,
+    MAX_SOLVE_INTERVAL,
     MAX_SOLVE_TIME,
     MIN_FITTING,
-    MIN_INTERVAL,
     MIN_LONG_TICKS,
     MIN_MAX_TICKS,
+    MIN_SOLVE_INTERVAL,
     REST_INTERVAL,
     SHORT_SHARE,
     SOLVES_SEEN,
@@ -28,7 +28,7 @@ from pacinian.rendering.background_schedule import (
 
 PERIOD = 1e-3  # [s]
 # ticks from one solve to the next
-LEAST, MOST = round(MIN_INTERVAL / PERIOD), round(MAX_INTERVAL / PERIOD)
+LEAST, MOST = round(MIN_SOLVE_INTERVAL / PERIOD), round(MAX_SOLVE_INTERVAL / PERIOD)
 bounded = settings(max_examples=60)
 
 

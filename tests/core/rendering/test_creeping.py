@@ -1,6 +1,6 @@
 """Samples that creep: in the background, a solve waits until they have moved a little.
 
-The field of one object is steered instead (test_steering.py), so there are two here.
+The field of one object is steered instead (test_field_steering.py), so there are two here.
 """
 
 from __future__ import annotations
@@ -12,10 +12,11 @@ import pytest
 from msgspec.structs import replace
 
 import pacinian as pc
-from pacinian.rendering.sample_solver import MAX_PAUSE, MAX_UNSOLVED_MOVEMENT
+from pacinian.rendering.field_steering import MAX_MISPLACEMENT
+from pacinian.rendering.sample_solver import MAX_CREEP_TIME
 from pacinian.testing import ManualClock
 
-ARRAY, NEAR = pc.autd(), MAX_UNSOLVED_MOVEMENT
+ARRAY, NEAR = pc.autd(), MAX_MISPLACEMENT
 BALL = pc.Volume(
     name="ball", shape=pc.Sphere(0.01), pose=pc.Pose((0.0, 0.0, 0.15)), radiation_pressure=0.5
 )
@@ -68,8 +69,8 @@ def test_other_limits_are_solved_where_the_samples_are() -> None:
 def test_however_little_it_moves_the_next_solve_comes() -> None:
     solving = Solving()
     first = solving.at(0.0, 0.0)
-    assert solving.at(1e-5, 0.9 * MAX_PAUSE) is first
-    assert solving.at(1e-5, 1.1 * MAX_PAUSE) is not first
+    assert solving.at(1e-5, 0.9 * MAX_CREEP_TIME) is first
+    assert solving.at(1e-5, 1.1 * MAX_CREEP_TIME) is not first
 
 
 @pytest.mark.parametrize(

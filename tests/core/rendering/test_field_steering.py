@@ -15,7 +15,7 @@ from msgspec.structs import replace
 import pacinian as pc
 from pacinian.rendering.field_steering import (
     MAX_JUMP,
-    MAX_STANDSTILL,
+    MIN_STANDSTILL,
     Motion,
     Steering,
     find_factors,
@@ -79,7 +79,7 @@ def motion(d: Any, t: float, velocity: float = 0.0, centre: Any = CENTRE) -> Mot
 
 def test_rows_go_evenly_to_where_the_samples_are() -> None:
     steering = Steering(ARRAY, AIR)
-    assert steering.still
+    assert steering.settled
     assert steering.follow(motion((0.0, 0.0, 0.0), 0.0), 0.0, 4) is None
     steering.steer(rows(1), 0.0)
     assert steering.follow(motion((0.004, 0.0, 0.0), 0.0), 0.0, 4) is None
@@ -88,13 +88,13 @@ def test_rows_go_evenly_to_where_the_samples_are() -> None:
         steering.steer(made, 0.0)
         goal = find_factors(ARRAY, AIR, CENTRE, CENTRE + np.array([step, 0.0, 0.0]))
         np.testing.assert_allclose(made[0], goal, atol=1e-3)
-    assert steering.still
+    assert steering.settled
 
 
 def test_rows_go_on_as_the_samples_moved_but_not_for_long() -> None:
     steering = Steering(ARRAY, AIR)
     steering.follow(motion((0.0, 0.0, 0.0), 0.0, 0.1), 0.0, 1)
-    assert not steering.still
+    assert not steering.settled
     for t, x in ((0.01, 0.001), (0.03, 0.003), (5.0, 0.003)):
         made = rows(1)
         steering.steer(made, t)
@@ -223,7 +223,7 @@ def test_samples_that_stand_are_solved_for_where_they_are(solving: Solving) -> N
     first = solving.at((0.0, 0.0, 0.0), 0.0)
     assert solving.at((0.001, 0.0, 0.0), 0.01).rows == first.rows
     assert solving.at((0.001, 0.0, 0.0), 0.02).rows == first.rows
-    at_rest = solving.at((0.001, 0.0, 0.0), 0.011 + MAX_STANDSTILL)
+    at_rest = solving.at((0.001, 0.0, 0.0), 0.011 + MIN_STANDSTILL)
     assert at_rest.rows != first.rows
     assert not at_rest.motion.shift.any()
     assert solving.at((0.001, 0.0, 0.0), 0.3).rows == at_rest.rows

@@ -418,10 +418,10 @@ def test_it_is_still_once_a_frame_repeats_and_until_something_new_is_seen() -> N
     def look() -> bool:
         renderer.tick()
         clock.advance(renderer.period)
-        return renderer.still
+        return renderer.repeats
 
     with renderer:
-        assert not renderer.still
+        assert not renderer.repeats
         for P in (5.0, 3.0):
             renderer.scene = pc.Scene((replace(POINT, radiation_pressure=P),))
             assert not look()
@@ -432,7 +432,7 @@ def test_it_is_still_once_a_frame_repeats_and_until_something_new_is_seen() -> N
         background.ready = True
         assert [look() for _ in range(3)] == [False] * 3, "each tick begins another solve"
         renderer.restart()
-        assert not renderer.still
+        assert not renderer.repeats
 
 
 def test_a_hand_that_moves_through_empty_space_needs_no_solve() -> None:
@@ -444,11 +444,11 @@ def test_a_hand_that_moves_through_empty_space_needs_no_solve() -> None:
             renderer.scene = pc.Scene((item,), hands=(hand,))
             renderer.tick()
             clock.advance(renderer.period)
-        assert renderer.still
+        assert renderer.repeats
         assert renderer.report.solves == 1
         renderer.scene = pc.Scene((item,), hands=(pc.Hand.open("right", pc.Pose((0, 0, 0.17))),))
         renderer.tick()
-        assert not renderer.still
+        assert not renderer.repeats
         assert renderer.report.solves == 2
 
 

@@ -274,7 +274,7 @@ def test_a_focus_anywhere_on_the_skin_is_found(seed: int, scale: float) -> None:
         positions=np.ones((1, 3)), normals=np.zeros((1, 3)), regions=np.zeros(1, np.int64)
     )
     samples = far.changed(radiation_pressure=np.zeros(1), capsules=capsules)
-    found = limit.find_peak(gains[None], [PosedSkin(hand)], samples, 0.5 * P)
+    found = limit.find_highest_pressure(gains[None], [PosedSkin(hand)], samples, 0.5 * P)
     assert found is not None
     assert found >= P / (1.0 + TOLERANCE)
 
@@ -398,13 +398,13 @@ def test_gains_that_cannot_reach_the_limit_cost_no_look(
 @pytest.mark.parametrize("cycle", [1, 4])  # one frame, and several in turn
 def test_what_stands_still_is_evaluated(cycle: int, monkeypatch: pytest.MonkeyPatch) -> None:
     looks: list[float] = []
-    evaluate = SkinLimit._evaluate_peak
+    evaluate = SkinLimit._evaluate_skins
 
     def count(limit: SkinLimit, *given: Any) -> float:
         looks.append(evaluate(limit, *given))
         return looks[-1]
 
-    monkeypatch.setattr(SkinLimit, "_evaluate_peak", count)
+    monkeypatch.setattr(SkinLimit, "_evaluate_skins", count)
     # on skin, frames of a cycle are bands of large regions; two waves of a small one serve as well here
     monkeypatch.setattr(Cycle, "_may_tilt", cycle > 1)
     hand = HAND.transform(HIGH)
@@ -457,7 +457,7 @@ def test_a_hand_that_comes_back_or_moves_is_evaluated_at_once(
     )
     made = render(pc.Scene((ball,), hands=(hand,)))._pipeline.played.solutions.rows[0]
     limit = SkinLimit(pc.Session(ONE, AIR))
-    monkeypatch.setattr(limit, "_evaluate_peak", lambda *given: float(looks.append(1) or 1.0))
+    monkeypatch.setattr(limit, "_evaluate_skins", lambda *given: float(looks.append(1) or 1.0))
     skin, near, far, other = (
         (PosedSkin(one),)
         for one in (
@@ -485,7 +485,7 @@ def test_far_below_the_limit_only_every_eighth_solution_is_evaluated_and_each_th
         return found[0]
 
     limit = SkinLimit(pc.Session(ONE, AIR))
-    monkeypatch.setattr(limit, "_evaluate_peak", evaluate)
+    monkeypatch.setattr(limit, "_evaluate_skins", evaluate)
     gains, samples = (
         np.full((1, len(ONE)), 0.5, np.complex64),
         no_samples().changed(
@@ -506,7 +506,7 @@ def test_far_below_the_limit_only_every_eighth_solution_is_evaluated_and_each_th
             radiation_pressure=np.array([pressure]),
         )
         for _ in range(solutions):
-            P = limit.find_peak(np.complex64(drive) * gains, (), changed, most)
+            P = limit.find_highest_pressure(np.complex64(drive) * gains, (), changed, most)
             assert solutions > 1 or (found[0] if looks[0] > before else None) == P
         return looks[0] - before
 

@@ -163,7 +163,7 @@ class RenderLoop:
                 for due, lost in pace(self.clock, renderer.period, max_lag=0.0):
                     renderer.tick(due, lost)
                     self.run_between()
-                    if self.rests or (renderer.still and wake.works):
+                    if self.rests or (renderer.repeats and wake.works):
                         break
                 if not self.rests:
                     wake.wait(self._find_still_wait(), lambda: True)

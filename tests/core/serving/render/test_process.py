@@ -620,7 +620,9 @@ def still(server: Server) -> None:
     server.arm()
     server.put()
     server.tick(100)
-    eventually(lambda: server.loop.renderer.still, server.tick)  # once the sound has been measured
+    eventually(
+        lambda: server.loop.renderer.repeats, server.tick
+    )  # once the sound has been measured
     assert server.sounds
 
 
