@@ -14,8 +14,8 @@ def quantise_by(g: Gains, phases: int, size: Singles, slope: Singles, first: Lev
     """
     As `quantise`, for levels whose amplitudes are `size`: ascending from 0 to 1, then infinity.
 
-    slope: levels per amplitude above each, 0 for the last. first: the level at or below k / K, (K + 1,), K a power of 2:
-    from there the level is looked for.
+    slope: levels per amplitude above each level, 0 for the last. first: the level at or below each k / K, (K + 1,), where the
+    search for a level begins; K is a power of 2.
     """
 
 def dequantise(phase: Levels, amplitude: Levels, unit: Gains, size: Singles, out: Gains) -> None:
@@ -45,11 +45,11 @@ def follow(gains: Gains, step: float, span: int, growth: float, align: bool, pha
     """
     Write rows, (K, N), that go from `last`, (N,), towards `gains`, (K, N) or (1, N) for all rows.
 
-    step: how far a gain may move from row to row, over the loudest. span: rows over which the way is spread, at least.
-    growth: of what is asked until it is loudest. align: turn the gains to `last`; by whole levels of phase, if `phases` is
-    their number; 0 for any angle. settled: whether `last` was its gains. loudest: gain of late, (1,),
-    forgotten slowly while the gains are reached. `last` becomes the last row; what is not a number becomes 0.
-    Returns whether the last row is its gains.
+    step: largest movement of a gain from row to row, over `loudest`. span: least number of rows for the whole way.
+    growth: factor by which the gains will still grow while they fade in. align: whether to turn the gains towards `last`: by
+    whole levels of phase if `phases` is their number, by any angle if it is 0. settled: whether `last` had reached its gains.
+    loudest: largest recent gain, (1,), which decays while the gains are reached. `last` becomes the last row. A number that
+    is not finite becomes 0. Returns whether the last row has reached its gains.
     """
 
 def find_factors(r: Singles, turns: float, exponent: float, centre: Singles, place: Singles, most: float, out: Gains) -> None:

@@ -1,4 +1,4 @@
-// Steering: the factors on the gains that move the field around a point to another place. See steering.py.
+// The factors on the gains that move the field around a point to another place. See field_steering.py.
 #pragma once
 #include <algorithm>
 #include <cmath>

@@ -92,8 +92,8 @@ inline void define_levels(nb::module_& m) {
            "g", "phases", "top", "highest", "threshold", "phase", "amplitude");
     kernel(m, "quantise_by", &quantise_by,
            "As `quantise`, for levels whose amplitudes are `size`: ascending from 0 to 1, then infinity.\n\n"
-           "slope: levels per amplitude above each, 0 for the last. first: the level at or below k / K, (K + 1,), K a power of 2:\n"
-           "from there the level is looked for.",
+           "slope: levels per amplitude above each level, 0 for the last. first: the level at or below each k / K, (K + 1,), where the\n"
+           "search for a level begins; K is a power of 2.",
            "g", "phases", "size", "slope", "first", "highest", "threshold", "phase", "amplitude");
     kernel(m, "dequantise", &dequantise,
            "Write the gains that levels stand for, (N,); unit, size: what each phase and amplitude level is.", "phase", "amplitude",

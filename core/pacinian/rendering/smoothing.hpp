@@ -82,11 +82,11 @@ inline bool follow(View<const c8, 2> gains, f4 step, i8 span, f4 growth, bool al
 inline void define_smooth(nb::module_& m) {
     kernel(m, "follow", &follow,
            "Write rows, (K, N), that go from `last`, (N,), towards `gains`, (K, N) or (1, N) for all rows.\n\n"
-           "step: how far a gain may move from row to row, over the loudest. span: rows over which the way is spread, at least.\n"
-           "growth: of what is asked until it is loudest. align: turn the gains to `last`; by whole levels of phase, if `phases` is\n"
-           "their number; 0 for any angle. settled: whether `last` was its gains. loudest: gain of late, (1,),\n"
-           "forgotten slowly while the gains are reached. `last` becomes the last row; what is not a number becomes 0.\n"
-           "Returns whether the last row is its gains.",
+           "step: largest movement of a gain from row to row, over `loudest`. span: least number of rows for the whole way.\n"
+           "growth: factor by which the gains will still grow while they fade in. align: whether to turn the gains towards `last`: by\n"
+           "whole levels of phase if `phases` is their number, by any angle if it is 0. settled: whether `last` had reached its gains.\n"
+           "loudest: largest recent gain, (1,), which decays while the gains are reached. `last` becomes the last row. A number that\n"
+           "is not finite becomes 0. Returns whether the last row has reached its gains.",
            "gains", "step", "span", "growth", "align", "phases", "settled", "loudest", "last", "out");
 }
 
