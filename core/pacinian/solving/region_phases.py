@@ -18,6 +18,7 @@ from pacinian.acoustics.array import Array
 from pacinian.acoustics.propagation import check_medium
 from pacinian.argument_checks import check_kind, check_numbers
 from pacinian.native import solving as kernels
+from pacinian.region_numbers import ISOLATED
 from pacinian.solving.factor import Factor
 from pacinian.solving.phases import initial_phases
 from pacinian.solving.propagator import gram_matrix, mean_square
@@ -28,13 +29,16 @@ if TYPE_CHECKING:
     from pacinian.solving.propagator import Propagator
     from pacinian.solving.solution import Solution
     from pacinian.solving.targets import Targets
-    from pacinian.types import ArrayLike, Complexes, Flags, Floats, Indices
+    from pacinian.types import ArrayLike, Complexes, Floats, Indices
 
 
 MIN_CONVERGENCE = 0.25  # smallest d'/d, see `joint_phases`
 MIN_CONVERGENCE_ON_SKIN = 0.8  # smallest d'/d for samples on skin, which are less even
 # Largest number of transducers whose power shows where the sound on skin comes from.
 MAX_SOURCES = 256
+# Samples of other regions count fully for the source of a region's wave up to this distance from the region's middle,
+# and not at all from twice this distance [m].
+MAX_SHARED_SOURCE = 0.03
 # Golden ratio minus 1, whose multiples modulo 1 are evenly scattered.
 GOLDEN_FRACTION = 0.5 * (5.0**0.5 - 1.0)
 MAX_SUBSET = 128  # largest number of transducers used to compute the array's radius
@@ -106,7 +110,7 @@ def settle_phases(
     """Return the same targets with every phase fixed, for points of which some belong to regions.
 
     The phases within a region are those of `joint_phases`, turned away from quiet zones, plus one phase for the region.
-    For samples on skin, c is the middle of the transducers by the power that each sends there (`_find_source`), and
+    For samples on skin, c is the middle of the transducers by the power that each sends there (`_find_sources`), and
     d'/d is at least 0.8. If `relax`, the phases of regions are then relaxed (`relax_phases`), unless the wave is tilted
     or turned away from zones, or the strength is free. If `keep`, regions keep the phases of `warm` if these differ
     little from those of the wave. Then its multipliers still fit (decision 76).
@@ -118,12 +122,15 @@ def settle_phases(
     assert regions is not None
     array, q, M = propagator.array, propagator.points, len(t)
     k = propagator.medium.wavenumber(array.transducer.frequency)
-    some, wave = _choose_subset(array), np.empty(M)
+    some, wave, of_source = _choose_subset(array), np.zeros(M), np.empty(M)
     if propagator.facing is None:
-        source, least = _find_centre(array), MIN_CONVERGENCE
+        sources, least = _find_centre(array)[np.newaxis], MIN_CONVERGENCE
     else:
-        source, least = _find_source(propagator, regions >= 0), MIN_CONVERGENCE_ON_SKIN
-    kernels.waves(q, t, regions, some, source, k, least, tilt, wave)
+        sources, least = _find_sources(propagator, regions), MIN_CONVERGENCE_ON_SKIN
+    for number, source in enumerate(sources):
+        own = regions if len(sources) == 1 else np.where(regions == number, 0, ISOLATED)
+        kernels.waves(q, t, own, some, source, k, least, tilt, of_source)
+        wave += of_source
     if propagator.quiet_subspace is not None:
         for number in range(int(regions.max()) + 1):
             own = regions == number
@@ -187,22 +194,34 @@ def _find_centre(array: Array) -> Floats:
     return np.asarray(_choose_side(array).mean(axis=0))
 
 
-def _find_source(propagator: Propagator, pressing: Flags) -> Floats:
-    """Return the middle of the transducers, each weighted by the power that it sends to the samples, (3,) [m].
+def _find_sources(propagator: Propagator, regions: Indices) -> Floats:
+    """Return the sources of the regions' waves, one for each or one for all, (K, 3) [m].
 
-    pressing: which samples count, (M,). All regions have the same source, so that no wave jumps if a region splits or
-    regions merge. Amplitudes do not count, because frames of one cycle, which each make what the others lack, would
+    A source is the middle of the transducers, each weighted by the power that it sends to the samples. The samples of
+    all regions nearby count, so that no wave jumps if a region splits or regions merge. Those of another hand do not:
+    with a common source between two hands, each wave would come from the side, and be felt by the other hand, too
+    (decision 94). Amplitudes do not count, because frames of one cycle, which each make what the others lack, would
     drift apart.
     """
+    pressing, points = regions >= 0, propagator.points
+    shares = np.tile(pressing.astype(np.float64), (max(int(regions.max()) + 1, 1), 1))
+    for number, share in enumerate(shares if len(shares) > 1 else ()):
+        other = pressing & (regions != number)
+        distance = np.linalg.norm(points[other] - points[regions == number].mean(axis=0), axis=1)
+        share[other] = np.clip(2.0 - distance / MAX_SHARED_SOURCE, 0.0, 1.0)
+    if (shares == shares[0]).all():
+        shares = shares[:1]
     some = _choose_scattered(len(propagator.array))
     rows = propagator.B.take(some, axis=1)
     parts = rows.view(rows.real.dtype)
     parts *= parts
-    power = (pressing.astype(parts.dtype) @ parts).reshape(-1, 2).sum(axis=1)
-    whole = float(power.sum())
-    if not 0.0 < whole < math.inf:
-        return propagator.origin
-    return np.asarray(power @ propagator.array.positions[some] / whole, np.float64)
+    powers = (shares.astype(parts.dtype) @ parts).reshape(len(shares), -1, 2).sum(axis=2)
+    sources = np.tile(propagator.origin, (len(shares), 1))
+    for source, power in zip(sources, powers, strict=True):
+        whole = float(power.sum())
+        if 0.0 < whole < math.inf:
+            source[:] = power @ propagator.array.positions[some] / whole
+    return sources
 
 
 @functools.lru_cache(maxsize=16)

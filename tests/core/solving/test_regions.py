@@ -111,6 +111,27 @@ def test_on_skin_the_wave_comes_from_the_transducers_that_see_it():
     assert (off(found - wave, (found - wave)[0]) < 0.1).all()
 
 
+@pytest.mark.parametrize(("gap", "own"), [(0.02, False), (0.2, True)])
+def test_on_skin_regions_far_apart_have_sources_of_their_own(gap, own):
+    """The wave of one of two patches is that of the patch alone if the other one is as far away as another hand."""
+    array = pc.autd(3, 3)
+    one = patch(count=3) + np.array([0.05, 0.02, 0.0])
+    q = np.concatenate([one, one - np.array([gap, 0.0, 0.0])])
+
+    def settle(q, regions):
+        propagator = Propagator(array, AIR)
+        facing = SkinFacing(np.tile([0.0, 0.0, -1.0], (len(q), 1)), np.empty((0, 8)))
+        propagator.set_points(q, facing)
+        # this solver relaxes no phases
+        targets = Targets.make_checked(len(q), np.full(len(q), 0.7), None, "max", regions)
+        return settle_phases(propagator, targets, None).phases
+
+    both = settle(q, np.repeat([0, 1], 9))[:9]
+    alone = settle(one, np.zeros(9, int))
+    same = bool(off(both - alone, (both - alone)[0]).max() < 1e-9)
+    assert same is own
+
+
 @pytest.mark.parametrize("bad", [[0.0], [[0, 0]], [0], [0, 1, 2], ["a", "b"], [1, [2]], 0])
 def test_regions_are_whole_numbers_one_for_each_point(bad):
     with pytest.raises(pc.ArgumentError, match="regions"):
