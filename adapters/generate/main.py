@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING
 import cpp
 import csharp
 import features_table
-import meta
 import published
+import unity_metas
 import wire
 
 if TYPE_CHECKING:
@@ -47,11 +47,12 @@ def main(arguments: list[str]) -> int:
             if not check:
                 path.parent.mkdir(parents=True, exist_ok=True)
                 path.write_bytes(data)
-    for path in meta.find_differing(meta.PACKAGE):  # last: of the files that were just written, too
+    # Last, because the files that were just written need .meta files, too.
+    for path in unity_metas.find_differing(unity_metas.PACKAGE):
         wrong += 1
         sys.stdout.write(f"{'differs' if check else 'written or removed'}: {path}\n")
     if not check:
-        meta.write(meta.PACKAGE)
+        unity_metas.write(unity_metas.PACKAGE)
     return 1 if wrong and check else 0
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from pacinian.serving.settings import Safety
-from pacinian.wire.markdown import make_guide, make_reference
+from pacinian.wire.protocol_pages import make_guide, make_reference
 from pacinian_lab.vectors.vectors import make_text, make_vectors
 
 if TYPE_CHECKING:

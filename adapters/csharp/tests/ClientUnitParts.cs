@@ -232,10 +232,10 @@ namespace Pacinian.Tests
         {
             ClientUnit.Holds(ErrorMessages.Version(2).EndsWith("update the client", StringComparison.Ordinal));
             ClientUnit.Holds(ErrorMessages.Version(0).EndsWith("update the server", StringComparison.Ordinal));
-            Refusal why = ErrorMessages.Of(new Error { Code = Code.Version, Message = "no" });
+            Refusal why = ErrorMessages.MakeRefusal(new Error { Code = Code.Version, Message = "no" });
             string ours = Protocol.Major + "." + Protocol.Minor;
             ClientUnit.Equal("version: no; update the older of the two: this client speaks " + ours, why.ToString());
-            ClientUnit.Holds(ErrorMessages.Of(new DllNotFoundException("libzmq")).Contains("not installed"));
+            ClientUnit.Holds(ErrorMessages.DescribeException(new DllNotFoundException("libzmq")).Contains("not installed"));
         }
     }
 }

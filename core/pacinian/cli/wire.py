@@ -18,7 +18,7 @@ def wire(schema: bool) -> None:
     """
     from pacinian.serving.settings import Safety
     from pacinian.wire.asyncapi import make_asyncapi
-    from pacinian.wire.markdown import make_guide, make_reference
+    from pacinian.wire.protocol_pages import make_guide, make_reference
 
     if schema:
         click.echo(json.dumps(make_asyncapi(), indent=2))

@@ -271,7 +271,7 @@ class Client(ReconnectingClient):
         It is measured over all touched skin or, in free air, between the samples, against the targets. Points and paths
         are left out; in silence, all objects are.
         """
-        from pacinian.wire.state_wording import read_felt
+        from pacinian.wire.felt_regions import read_felt
 
         return read_felt(state.objects, state.felt) if state.output == "sounding" else {}
 

@@ -117,8 +117,9 @@ class Safety(Struct, frozen=True, forbid_unknown_fields=True):
 class ClientLimits(Struct, frozen=True, forbid_unknown_fields=True):
     """Limits for clients.
 
-    max_sessions: not connections. max_objects: of one scene; max_client_objects: of one client. max_rate: messages per
-    second of one connection. max_command_bytes: of one command.
+    max_sessions: largest number of sessions; a session may have several connections. max_objects: largest number of
+    objects of one scene; max_client_objects: of one client. max_rate: messages per second of one connection.
+    max_command_bytes: largest size of one command.
     """
 
     max_sessions: Annotated[int, Meta(ge=1, le=1024)] = 64
@@ -152,9 +153,9 @@ class Metrics(Struct, frozen=True, forbid_unknown_fields=True):
 class Settings(Struct, frozen=True, forbid_unknown_fields=True):
     """A configuration file. Keys that a scene file also has mean the same here.
 
-    power: maximum sum of squared gains; None for no limit. max_cycle_frames: maximum number of frames whose mean may
-    form a region; 1: each frame by itself. connection: path of the connection file for clients on this machine; "" for
-    the default. state_rate: of the published state [Hz]. Raises ArgumentError.
+    power: maximum sum of squared gains; None for no limit. max_cycle_frames: largest number of frames that
+    may present a region in turn; 1: one frame presents all of it. connection: path of the connection file for clients
+    on this machine; "" for the default. state_rate: of the published state [Hz]. Raises ArgumentError.
     """
 
     array: Units | Lattice | Device = Units()

@@ -17,8 +17,9 @@ convert_modulation.py  envelopes and techniques to those of a scene and back
 connection_file.py     the connection file: where it lies, secret, permissions; `PACINIAN_CONNECTION`
 stop_datagram.py       an emergency stop by a datagram with HMAC, without a connection
 silence_cause.py       the causes of silence, as codes; their sentences: serving/control/explain_silence.py
-state_wording.py       numbers of a state in words, for people: counts, percent, felt regions
+state_wording.py       numbers of a state in words, for people: counts, percent
+felt_regions.py        decodes what is felt of each region: `State.felt`
 message_docs.py        fields, types, bounds and meanings of messages, from their docstrings
-markdown.py            writes docs/wire.md and docs/wire-messages.md from page.md, messages.md
+protocol_pages.py      writes docs/wire.md and docs/wire-messages.md from guide.md, messages.md
 asyncapi.py            the AsyncAPI document, JSON Schemas
 """

@@ -7,12 +7,11 @@ from typing import Annotated, Literal
 from msgspec import Meta, Struct
 
 from pacinian.wire.binary_arrays import Rows, check_arrays
-from pacinian.wire.protocol import MAX_VALUES, Angle, Frequency, Length, Seconds, Share
+from pacinian.wire.protocol import MAX_VALUES, Angle, Duration, Frequency, Length, Seconds, Share
 from pacinian.wire.shapes import Curve
 
 PresetName = Literal["impulsive", "rapturous", "trembling", "buzzing"]
-Period = Annotated[float, Meta(gt=0.0, le=1e6, description="[s]")]
-Passages = Annotated[float, Meta(gt=0.0, le=20_000.0, description="[Hz]")]
+PositiveFrequency = Annotated[float, Meta(gt=0.0, le=20_000.0, description="[Hz]")]
 
 
 class Constant(Struct, frozen=True, tag_field="type", tag="constant"):
@@ -50,8 +49,8 @@ class Pulse(Struct, frozen=True, tag_field="type", tag="pulse"):
     outside of pulses. high: level of pulses.
     """
 
-    width: Period
-    period: Period | None = None
+    width: Duration
+    period: Duration | None = None
     start: Seconds = 0.0
     rise: Annotated[float, Meta(ge=0.0, le=1e6, description="[s]")] = 0.0
     low: Share = 0.0
@@ -67,7 +66,7 @@ class Noise(Struct, frozen=True, tag_field="type", tag="noise"):
     """
 
     low_frequency: Frequency
-    high_frequency: Passages
+    high_frequency: PositiveFrequency
     low: Share = 0.0
     high: Share = 1.0
     seed: Annotated[int, Meta(ge=0, le=2**32 - 1)] = 0
@@ -118,16 +117,16 @@ class STM(Struct, frozen=True, tag_field="type", tag="stm"):
     around all of them, or a curve in their tangent plane. dwell: time at each position; by default 1/720 of the period.
     """
 
-    frequency: Passages
+    frequency: PositiveFrequency
     along: Literal["samples", "outline"] | Curve = "samples"
-    dwell: Period | None = None
+    dwell: Duration | None = None
 
 
 class LM(Struct, frozen=True, tag_field="type", tag="lm"):
     """Lateral modulation: every sample oscillates as a sine, perpendicular to its normal.
 
-    frequency: frequency of the sine. amplitude: displacement to either side. angle: direction of the motion, about the
-    normal from the frame's x-axis.
+    frequency: frequency of the sine. amplitude: displacement to either side. angle: angle of the motion from the
+    frame's x-axis, turned about the normal.
     """
 
     frequency: Frequency

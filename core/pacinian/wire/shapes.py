@@ -1,4 +1,7 @@
-"""Shapes and curves on the wire: as in scene files, but with bulk numbers in a `bin` and without files."""
+"""Shapes and curves on the wire: as in scene files, but with bulk numbers in a `bin` and without files.
+
+Limits: protocol.py.
+"""
 
 from __future__ import annotations
 

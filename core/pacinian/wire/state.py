@@ -172,7 +172,8 @@ class State(Struct, frozen=True, kw_only=True, tag_field="type", tag="state"):
 
     def summarise(self) -> dict[str, str]:
         """Return names and values of what a person wants to know first."""
-        from pacinian.wire.state_wording import count, list_counts, read_felt, share
+        from pacinian.wire.felt_regions import read_felt
+        from pacinian.wire.state_wording import count, list_counts, share
 
         hands, samples = len(self.hands) // HAND_BYTES, len(self.asked) // 4
         median, p99, longest = self.tick_ms

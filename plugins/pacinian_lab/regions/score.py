@@ -1,4 +1,4 @@
-"""The figures of a region: force, rms, holes, and the pressure beside it."""
+"""The figures of a region: force, rms, holes, and the pressure beside it. The places: shapes.py."""
 
 from __future__ import annotations
 

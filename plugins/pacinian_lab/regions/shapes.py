@@ -31,7 +31,8 @@ if TYPE_CHECKING:
     Factor = Callable[[Floats, Floats], Floats]
 
 HEIGHT = 0.2  # [m] above the array
-STEP = 0.001  # [m] between the places where pressure is measured
+PLACE_SPACING = 0.001  # [m] between the places where pressure is measured
+MESH_SPACING = 0.001  # [m] side of the squares of which a mesh is made
 PICTURE_SPACING = 0.00025  # [m] between the points of a picture
 SIDE = 0.05  # [m] of the square around a flat shape, which contains the shape and `beside`
 # [m] distances from a shape between which `beside` is measured
@@ -89,7 +90,7 @@ def _lattice(inside: Inside) -> tuple[Floats, Floats]:
     """Return places in a flat shape of the xy-plane, off the samplers' lattices, and beside it: (K, 3), (J, 3) [m]."""
     from scipy.spatial import KDTree
 
-    side = np.arange(-SIDE / 2.0, SIDE / 2.0, STEP) + 0.37 * STEP
+    side = np.arange(-SIDE / 2.0, SIDE / 2.0, PLACE_SPACING) + 0.37 * PLACE_SPACING
     X, Y = (each.ravel() for each in np.meshgrid(side, side))
     every, own = np.stack([X, Y, 0.0 * X], axis=-1), inside(X, Y)
     away = KDTree(every[own]).query(every)[0]
@@ -165,8 +166,8 @@ def _make_ramp(width: float, height: float) -> Shape:
 
 def _triangulate(inside: Inside) -> Mesh:
     """Return a mesh of a flat shape, made of squares of 1 mm."""
-    n = round(SIDE / STEP)
-    x = STEP * (np.arange(n + 1) - n / 2.0)
+    n = round(SIDE / MESH_SPACING)
+    x = MESH_SPACING * (np.arange(n + 1) - n / 2.0)
     X, Y = np.meshgrid((x[1:] + x[:-1]) / 2.0, (x[1:] + x[:-1]) / 2.0)
     row, column = np.nonzero(inside(X, Y))
     a = row * (n + 1) + column

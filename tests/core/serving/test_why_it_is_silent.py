@@ -106,7 +106,7 @@ def test_a_lost_lease_and_an_emergency_stop(game: pc.Client, connection: Path) -
             found = game.explain_silence()
             return found.text if found and found.cause == "lease lost" else ""
 
-        assert '"frozen" stands still: the output sounds again' in eventually(lost)
+        assert '"frozen" no longer renews its lease: the output sounds again' in eventually(lost)
 
         def goes_on() -> bool:
             frozen.renew()

@@ -15,8 +15,8 @@ from pacinian.serving.settings import Safety
 from pacinian.wire import commands, control, objects, protocol, replies, state
 from pacinian.wire.asyncapi import CHANNELS, make_asyncapi
 from pacinian.wire.codec import encode
-from pacinian.wire.markdown import make_guide, make_reference
 from pacinian.wire.message_docs import describe_fields, summarise
+from pacinian.wire.protocol_pages import make_guide, make_reference
 from pacinian.wire.silence_cause import CAUSES
 from pacinian_lab.vectors.examples import make_examples
 

@@ -15,7 +15,7 @@ import numpy as np
 from pacinian_plugins.backends.usb_autd import frames, protocol
 from pacinian_plugins.backends.usb_autd.model import Device
 from pacinian_plugins.backends.usb_autd.protocol import FULL, Request, Verdict
-from pacinian_plugins.backends.usb_autd.report_layout import Capability
+from pacinian_plugins.backends.usb_autd.report_layout import CapabilityReport
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from pacinian_plugins.backends.usb_autd.frames import Frame
 
 FILE = Path(__file__).parent / "vectors.json"
-SMALL = Capability(units=3, transducers=4, queue=8, samples=12, longest=256)
-WHOLE = Capability(units=1)
+SMALL = CapabilityReport(units=3, transducers=4, queue=8, samples=12, longest=256)
+WHOLE = CapabilityReport(units=1)
 
 Step = list[Any]
 
@@ -76,7 +76,7 @@ def cut(data: bytes, end: int) -> bytes:
     return data[:end]
 
 
-def cases() -> dict[str, tuple[Capability, list[Step]]]:
+def cases() -> dict[str, tuple[CapabilityReport, list[Step]]]:
     """By name: the device, and what it is told."""
     one, two, three = (message(sequence) for sequence in (1, 2, 3))
     feed = lambda *parts: [["feed", part] for part in parts]  # noqa: E731
@@ -140,7 +140,7 @@ def _flipped(data: bytes, at: int) -> bytes:
     return data[:at] + bytes([data[at] ^ 4]) + data[at + 1 :]
 
 
-def ask(can: Capability, steps: Sequence[Step]) -> tuple[list[list[int]], list[int]]:
+def ask(can: CapabilityReport, steps: Sequence[Step]) -> tuple[list[list[int]], list[int]]:
     """The reference device's verdicts after each feed, and how it ends: as `check.c` prints it."""
     device = Device(replace(can), now=lambda: 0.0)
     frames: list[Frame] = []
@@ -174,7 +174,7 @@ def _sum(frames: Sequence[Frame]) -> int:
     return made
 
 
-def script(can: Capability, steps: Sequence[Step]) -> str:
+def script(can: CapabilityReport, steps: Sequence[Step]) -> str:
     """What `check.c` reads."""
     device = (
         can.units,

@@ -59,7 +59,8 @@ def test_a_report_that_is_none_is_an_error_of_the_device() -> None:
     it.device.model.ask = lambda request: b"\0" * 64  # type: ignore[method-assign]
     it.refused(
         it.open,
-        "usb-autd PUA-1: is no device of this format: a report of 64 bytes, that says 0, of at least 64",
+        "usb-autd PUA-1: is no device of this format: "
+        "the report has 64 bytes and states a length of 0; at least 64 are needed",
     )
     it.device.model.ask = lambda request: bytes([64, 1, 0, 99]) + bytes(60)  # type: ignore[method-assign]
     it.refused(it.open, "usb-autd PUA-1: is no device of this format: 99 units of 0 transducers")

@@ -11,12 +11,12 @@ import pytest
 from pacinian.testing import ManualClock
 from pacinian_plugins.backends.usb_autd.model import Device, Stalled
 from pacinian_plugins.backends.usb_autd.protocol import FULL, Request, State, Verdict
-from pacinian_plugins.backends.usb_autd.report_layout import Capability, Status
+from pacinian_plugins.backends.usb_autd.report_layout import CapabilityReport, StatusReport
 
 from .cases import message
 
 ROW = 0.5e-3  # [s]
-CAN = Capability(units=2, transducers=4, queue=12, samples=64)
+CAN = CapabilityReport(units=2, transducers=4, queue=12, samples=64)
 
 
 class Told:
@@ -49,7 +49,7 @@ class Told:
         return found
 
     @property
-    def status(self) -> Status:
+    def status(self) -> StatusReport:
         return self.device.status()
 
 

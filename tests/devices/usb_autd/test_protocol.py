@@ -13,10 +13,10 @@ from pacinian_plugins.backends.usb_autd import frames, protocol
 from pacinian_plugins.backends.usb_autd.decoder import Decoder
 from pacinian_plugins.backends.usb_autd.frames import Frame, is_newer
 from pacinian_plugins.backends.usb_autd.protocol import FULL, State, Verdict
-from pacinian_plugins.backends.usb_autd.report_layout import Capability, Status
+from pacinian_plugins.backends.usb_autd.report_layout import CapabilityReport, StatusReport
 
 WORDS = st.integers(0, 0xFFFFFFFF)
-CAN = Capability(units=16, transducers=5, queue=40, samples=80)
+CAN = CapabilityReport(units=16, transducers=5, queue=40, samples=80)
 
 
 @given(
@@ -76,27 +76,27 @@ def test_reports_come_out_as_they_went_in(data: st.DataObject) -> None:
     short, word = st.integers(0, 0xFFFF), st.integers(0, 255)
     name = st.text("ABCxyz0123-. ", max_size=16)
     three = st.tuples(short, short, short)
-    can = Capability(
+    can = CapabilityReport(
         data.draw(st.integers(1, 16)), data.draw(st.integers(1, 999)), *(data.draw(short) for _ in range(5)),
         data.draw(three), data.draw(WORDS),
         data.draw(WORDS), data.draw(name), data.draw(name), (data.draw(word), data.draw(word)),
     )  # fmt: skip
     report = can.pack()
     assert len(report) == 64
-    assert Capability.unpack(report) == can
-    status = Status(State.SOUNDING, 3, *(data.draw(WORDS) for _ in range(11)), 20, 7, -5)
+    assert CapabilityReport.unpack(report) == can
+    status = StatusReport(State.SOUNDING, 3, *(data.draw(WORDS) for _ in range(11)), 20, 7, -5)
     report = status.pack()
     assert len(report) == 64
-    assert Status.unpack(report) == status
+    assert StatusReport.unpack(report) == status
 
 
 def test_what_a_newer_minor_version_adds_to_a_report_is_left_out() -> None:
-    longer = bytes([80]) + Capability(version=(1, 3)).pack()[1:] + b"what is new 1.3!"
-    assert Capability.unpack(longer) == Capability(version=(1, 3))
-    assert Status.unpack(bytes([70]) + Status().pack()[1:] + bytes(6)) == Status()
-    for cut in (b"", Status().pack()[:-1], b"\x20" + bytes(63)):
+    longer = bytes([80]) + CapabilityReport(version=(1, 3)).pack()[1:] + b"what is new 1.3!"
+    assert CapabilityReport.unpack(longer) == CapabilityReport(version=(1, 3))
+    assert StatusReport.unpack(bytes([70]) + StatusReport().pack()[1:] + bytes(6)) == StatusReport()
+    for cut in (b"", StatusReport().pack()[:-1], b"\x20" + bytes(63)):
         with pytest.raises(ValueError, match="report"):
-            Status.unpack(cut)
+            StatusReport.unpack(cut)
 
 
 @given(WORDS, st.integers(1, (1 << 31) - 1))

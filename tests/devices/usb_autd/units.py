@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from pacinian.testing import UsbDevice
 from pacinian_plugins.backends.usb_autd.model import Device, Stalled
 from pacinian_plugins.backends.usb_autd.protocol import ENDPOINT, INTERFACE, PRODUCT, VENDOR
-from pacinian_plugins.backends.usb_autd.report_layout import Capability
+from pacinian_plugins.backends.usb_autd.report_layout import CapabilityReport
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -27,7 +27,7 @@ class Units(UsbDevice):
         **can: Any,
     ) -> None:
         super().__init__(serial)
-        told = Capability(units=units, serial=serial, firmware="model 1.0", **can)
+        told = CapabilityReport(units=units, serial=serial, firmware="model 1.0", **can)
         self.model = Device(told, now)
 
     def take(self, data: bytes, timeout: float) -> int:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from pacinian_plugins.backends.usb_autd.model import Device, Stalled
 from pacinian_plugins.backends.usb_autd.protocol import ENDPOINT, INTERFACE, PRODUCT, VENDOR
-from pacinian_plugins.backends.usb_autd.report_layout import Capability
+from pacinian_plugins.backends.usb_autd.report_layout import CapabilityReport
 
 from .port import Answer, Port
 
@@ -43,7 +43,7 @@ class Plugged:
         interface: tuple[int, int, int] = INTERFACE,
     ) -> None:
         self.serial, self._now = serial, now
-        can = Capability(units=units, serial=serial, firmware="model 1.0")
+        can = CapabilityReport(units=units, serial=serial, firmware="model 1.0")
         self._asked = 0.0  # [s]: what its clock said last
         self.model = Device(can, self._time)
         self.lock = threading.Lock()

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class BusSession:
-    """The bus's record of a session. number: makes names unique.
+    """The bus's record of a session. number: makes the names of its hands unique in the scene.
 
     peer: the connection that claimed it; empty before its first message. objects, bytes: of what it has put. commands,
     errors, dropped: counts. age: of its newest command [s].
@@ -31,7 +31,7 @@ class BusSession:
         self.age = 0.0
         self._sequence = 0
         self._clock = ClockOffsetEstimator()
-        self._telling = TokenBucket(ERROR_RATE)
+        self._error_quota = TokenBucket(ERROR_RATE)
 
     def claim(self, peer: bytes, user: str) -> bool:
         """Bind the session to `peer` on the first call by its user; return whether it is bound to `peer`."""
@@ -59,7 +59,7 @@ class BusSession:
             code="stale",
             message=f"is {self.age:.3g} s old, more than its ttl of {command.ttl:g} s",
             path="$.ttl",
-            advice="send less, or let it live longer",
+            advice="send fewer commands, or raise `ttl`",
         )
 
     def count_superseded(self, count: int) -> None:
@@ -70,4 +70,4 @@ class BusSession:
     def should_report(self, error: Error, now: float) -> bool:
         """Count an error; return whether to send it: always if the client expects a reply, otherwise rate-limited."""
         self.errors += 1
-        return bool(error.id) or self._telling.take(now)
+        return bool(error.id) or self._error_quota.take(now)

@@ -83,7 +83,7 @@ def _advise_until_ready(state: State, resumes: bool, stopped: bool) -> str:
     if state.armed:
         return "Sound returns when that is done"
     if resumes:
-        return f'"{state.owner}" stands still: {RESUMES}, once that is done'
+        return f'"{state.owner}" no longer renews its lease: {RESUMES}, once that is done'
     return "Sound returns when that is done, but the game must arm the output"
 
 
@@ -91,7 +91,7 @@ def _explain_unarmed(state: State, resumes: bool) -> Silence:
     if not state.owner:
         return Silence("not armed", NOT_ARMED)
     if resumes:
-        return Silence("lease lost", f'"{state.owner}" stands still: {RESUMES}')
+        return Silence("lease lost", f'"{state.owner}" no longer renews its lease: {RESUMES}')
     advice = "it must arm again, and then renew its lease in each frame"
     return Silence("lease lost", f'"{state.owner}" lost its lease or was disarmed: {advice}')
 

@@ -54,11 +54,11 @@ class SupervisedChild(Child, Protocol):
 class ChildRecord:
     """What the supervisor knows of one process.
 
-    started: when it was started, or activated if it was a spare [s]. start_limit: time limit to its first heartbeat
-    [s]. due: when to restart it [s]. delay: of the restart [s]. heartbeat: its last one [s]. heard: `_watched` at that
-    heartbeat [s]. named: whether the log has named it because it starts slowly. sounded: whether there may have been
-    sound since it started. If so, its end does not lengthen the restart delay, because a device without a watchdog
-    sounds until the next guard opens it.
+    started: when it was started, or activated if it was a spare [s]. start_limit: time limit for its first heartbeat
+    [s]. due: when to restart it [s]; None while it runs. delay: time from its next end to its restart [s]. heartbeat:
+    time of its last heartbeat [s]. heard: time watched until that heartbeat was noticed [s]. named: whether the log
+    has named it because it starts slowly. sounded: whether there may have been sound since it started. If so, its end
+    does not lengthen the restart delay, because a device without a watchdog sounds until the next guard opens it.
     """
 
     name: str
@@ -234,9 +234,9 @@ class Supervisor:
     def end(self, has_device: Callable[[float], bool] = lambda since: True) -> list[str]:
         """End all processes in order; return the names of those that had to be killed.
 
-        has_device: whether, since that time [s], a guard has said that it has the device. Opening it silences it. If
-        the guard has not ended in order, its spare, or a new guard, opens the device once more. Raises ServerError if
-        it cannot: the device may still sound.
+        has_device: returns whether a guard has reported, after the given time [s], that it has opened the device. To
+        open the device is to silence it. If the guard has not ended in order, its spare, or a new guard, opens the
+        device once more. Raises ServerError if it cannot: the device may still sound.
         """
         killed = self._end_children()
         guard = self.children.get(GUARD)

@@ -1,4 +1,7 @@
-"""For how long a process may send no heartbeat, and how the time without one is counted."""
+"""For how long a process may send no heartbeat, and how the time without one is counted.
+
+The limit itself: `Safety.hang_timeout` in settings.py.
+"""
 
 from __future__ import annotations
 

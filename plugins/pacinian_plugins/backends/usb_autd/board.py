@@ -15,7 +15,7 @@ from pacinian.devices.usb_errors import RESET_ADVICE
 from pacinian_plugins.backends.usb_autd import frames, protocol
 from pacinian_plugins.backends.usb_autd.link import DEVICES
 from pacinian_plugins.backends.usb_autd.protocol import Request, Verdict
-from pacinian_plugins.backends.usb_autd.report_layout import Capability, Status
+from pacinian_plugins.backends.usb_autd.report_layout import CapabilityReport, StatusReport
 
 if TYPE_CHECKING:
     from pacinian.types import Levels
@@ -28,7 +28,7 @@ class Board:
 
     def __init__(self, link: Link | SimulatedLink) -> None:
         self.link, self.name = link, f"{DEVICES.name} {link.serial}"
-        self.can = Capability()
+        self.can = CapabilityReport()
         self._session = self._sequence = 0
         self._accepted = self._checked = 0  # accepted frames, and sequence, at the last check
         self._failed = False
@@ -45,7 +45,7 @@ class Board:
     def open(self) -> None:
         """Query its capability. Raises BackendError if it does not use this format."""
         try:
-            can = self.can = Capability.unpack(self.link.ask(Request.CAPABILITY))
+            can = self.can = CapabilityReport.unpack(self.link.ask(Request.CAPABILITY))
         except ValueError as error:
             raise pc.BackendError(f"{self.name}: is no device of this format: {error}") from error
         reported = can.version[0], can.phases, can.amplitudes, can.rate
@@ -103,10 +103,10 @@ class Board:
             self._failed = True
             raise
 
-    def status(self) -> Status:
+    def status(self) -> StatusReport:
         """Return the status of the device. Raises BackendError."""
         try:
-            return Status.unpack(self.link.ask(Request.STATUS))
+            return StatusReport.unpack(self.link.ask(Request.STATUS))
         except ValueError as error:
             raise pc.BackendError(f"{self.name}: {error}") from error
 

@@ -11,7 +11,7 @@ from pacinian_plugins.backends.usb_autd.protocol import MAJOR, Verdict
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from pacinian_plugins.backends.usb_autd.report_layout import Capability
+    from pacinian_plugins.backends.usb_autd.report_layout import CapabilityReport
 
 
 class Decoder:
@@ -20,7 +20,7 @@ class Decoder:
     can: capability of the device. skipped: number of bytes that belong to no message.
     """
 
-    def __init__(self, can: Capability) -> None:
+    def __init__(self, can: CapabilityReport) -> None:
         self.can = can
         self.skipped = 0
         self._buffer = bytearray()

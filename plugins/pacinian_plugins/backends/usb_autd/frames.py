@@ -13,7 +13,7 @@ from pacinian_plugins.backends.usb_autd.protocol import FULL, MAJOR, Verdict
 
 if TYPE_CHECKING:
     from pacinian.types import Levels
-    from pacinian_plugins.backends.usb_autd.report_layout import Capability
+    from pacinian_plugins.backends.usb_autd.report_layout import CapabilityReport
 
 Bytes: TypeAlias = NDArray[np.uint8]
 
@@ -82,7 +82,7 @@ def pack(
     CRC.pack_into(out, end, crc32(out[HEAD:end], check))
 
 
-def unpack(message: bytes, can: Capability) -> Frame | Verdict:
+def unpack(message: bytes, can: CapabilityReport) -> Frame | Verdict:
     """Decode a message with valid CRCs for a device of capability `can`; return the verdict if it is refused."""
     _, _, kind, _, length, session, sequence = HEADER.unpack_from(message)
     if kind != FRAME:

@@ -14,7 +14,7 @@ import numpy as np
 from pacinian_plugins.backends.usb_autd.decoder import Decoder
 from pacinian_plugins.backends.usb_autd.frames import is_newer
 from pacinian_plugins.backends.usb_autd.protocol import FULL, Request, State, Verdict
-from pacinian_plugins.backends.usb_autd.report_layout import Capability, Status
+from pacinian_plugins.backends.usb_autd.report_layout import CapabilityReport, StatusReport
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -51,16 +51,16 @@ class Device:
     """
 
     def __init__(
-        self, can: Capability | None = None, now: Callable[[], float] = time.perf_counter
+        self, can: CapabilityReport | None = None, now: Callable[[], float] = time.perf_counter
     ) -> None:
-        self.can = can or Capability(serial="PUA-0001", firmware="model 1.0")
+        self.can = can or CapabilityReport(serial="PUA-0001", firmware="model 1.0")
         self.temperature: int | None = None
         """Temperature [0.1 °C]; None if unknown."""
         self.history: list[Verdict] | None = None
         """Verdicts on all messages; set it to a list to record them."""
         self._now, self._begun = now, now()
         self._decoder = Decoder(self.can)
-        self._status = Status(watchdog=self.can.watchdog[2])
+        self._status = StatusReport(watchdog=self.can.watchdog[2])
         self._segments: deque[Segment] = deque()
         self._fed = -math.inf  # time of the last accepted frame [s]
 
@@ -125,7 +125,7 @@ class Device:
             phase[there], amplitude[there] = segment.phase[row], (a + FULL // 2) // FULL
         return phase.reshape(-1), amplitude.reshape(-1)
 
-    def status(self) -> Status:
+    def status(self) -> StatusReport:
         """Return the current status."""
         now = self._now()
         self._advance(now)

@@ -18,17 +18,17 @@ from pacinian_plugins.backends.usb_autd.protocol import (
     Verdict,
 )
 
-ABILITY = struct.Struct("<4B10H2I16s16s")
-STATE = struct.Struct("<3Bx11I2Hh10x")
+CAPABILITY_LAYOUT = struct.Struct("<4B10H2I16s16s")
+STATUS_LAYOUT = struct.Struct("<3Bx11I2Hh10x")
 
 
 @dataclass(frozen=True)
-class Capability:
-    """What a device can do: the report of 64 bytes.
+class CapabilityReport:
+    """The report of what a device can do.
 
-    units: number of units, with `transducers` each. queue: maximum number of waiting rows. samples: maximum number in
-    an envelope. watchdog: least, largest and default [ms]. longest: maximum length of a message [bytes].
-    frequency: of the ultrasound [mHz].
+    units: number of units, with `transducers` each. queue: largest number of waiting rows. samples: largest number of
+    samples of an envelope. watchdog: shortest, longest and default time [ms]. longest: largest length of a message
+    [bytes]. frequency: of the ultrasound [mHz].
     """
 
     units: int = 9
@@ -46,9 +46,9 @@ class Capability:
     version: tuple[int, int] = (MAJOR, MINOR)
 
     def pack(self) -> bytes:
-        """The report."""
+        """Return the report, 64 bytes."""
         names = (text.encode("ascii") for text in (self.serial, self.firmware))
-        return ABILITY.pack(
+        return CAPABILITY_LAYOUT.pack(
             64,
             *self.version,
             self.units,
@@ -66,9 +66,9 @@ class Capability:
         )
 
     @classmethod
-    def unpack(cls, report: bytes) -> Capability:
-        """From a report; what a newer version has added is left out. Raises ValueError."""
-        v = _fields(ABILITY, report)
+    def unpack(cls, report: bytes) -> CapabilityReport:
+        """Decode a report; fields that a newer version has added are ignored. Raises ValueError."""
+        v = _fields(CAPABILITY_LAYOUT, report)
         if not (1 <= v[3] <= MAX_TRANSDUCERS and v[4]):
             raise ValueError(f"{v[3]} units of {v[4]} transducers")
         serial, firmware = (_text(v[i]) for i in (16, 17))
@@ -77,8 +77,8 @@ class Capability:
 
 
 @dataclass
-class Status:
-    """State of a device: the report of 64 bytes. Counters count from power-up, modulo 2^32.
+class StatusReport:
+    """The report of a device's state. Counters count from power-up, modulo 2^32.
 
     refusal: last verdict other than OK. session: 0 while disarmed. sequence: of the last accepted frame. corrupt,
     skipped: messages with a wrong CRC, and bytes that belong to no message. lost: frames missing from the sequence.
@@ -104,22 +104,22 @@ class Status:
     temperature: int = -32768  # unknown
 
     def pack(self) -> bytes:
-        """The report."""
+        """Return the report, 64 bytes."""
         state, refusal, *counters, watchdog, waiting, temperature = astuple(self)
         counters = [n & 0xFFFFFFFF for n in counters]
-        return STATE.pack(64, state, refusal, *counters, watchdog, waiting, temperature)
+        return STATUS_LAYOUT.pack(64, state, refusal, *counters, watchdog, waiting, temperature)
 
     @classmethod
-    def unpack(cls, report: bytes) -> Status:
-        """From a report; what a newer version has added is left out. Raises ValueError."""
-        return cls(*_fields(STATE, report)[1:])
+    def unpack(cls, report: bytes) -> StatusReport:
+        """Decode a report; fields that a newer version has added are ignored. Raises ValueError."""
+        return cls(*_fields(STATUS_LAYOUT, report)[1:])
 
 
 def _fields(layout: struct.Struct, report: bytes) -> tuple[Any, ...]:
     if len(report) < layout.size or report[0] < layout.size:
         said = report[0] if report else 0
         raise ValueError(
-            f"a report of {len(report)} bytes, that says {said}, of at least {layout.size}"
+            f"the report has {len(report)} bytes and states a length of {said}; at least {layout.size} are needed"
         )
     return layout.unpack(report[: layout.size])
 

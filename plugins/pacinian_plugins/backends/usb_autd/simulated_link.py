@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pacinian as pc
 from pacinian_plugins.backends.usb_autd.model import Device, Stalled
-from pacinian_plugins.backends.usb_autd.report_layout import Capability
+from pacinian_plugins.backends.usb_autd.report_layout import CapabilityReport
 
 if TYPE_CHECKING:
     from array import array
@@ -22,7 +22,9 @@ class SimulatedLink:
     def __init__(self, units: int, transducers: int, serial: str = "PRETENDED") -> None:
         self.serial = serial
         self.device = Device(
-            Capability(units=units, transducers=transducers, serial=serial, firmware="model 1.0")
+            CapabilityReport(
+                units=units, transducers=transducers, serial=serial, firmware="model 1.0"
+            )
         )
 
     def ask(self, request: Request) -> bytes:

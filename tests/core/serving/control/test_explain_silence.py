@@ -79,7 +79,7 @@ def test_each_cause_is_told_with_what_to_do(cause: Cause, told: State, says: str
         ({"armed": False}, {"fault": "x", "stopped": True, "resetting": True}, "fault: x. Remove its cause, then"),
         ({}, {}, f"{OPENS}.*Sound returns when that is done$"),
         ({"armed": False}, {}, f"{OPENS}.*but the game must arm the output$"),
-        ({"armed": False}, {"resumes": True}, f'{OPENS}.*"game" stands still: .*as soon as it renews'),
+        ({"armed": False}, {"resumes": True}, f'{OPENS}.*"game" no longer renews its lease: .*as soon as it renews'),
         ({"armed": False}, {"stopped": True}, f"{OPENS}.*emergency stop: reset the server, then arm again$"),
         ({}, {"resetting": True}, f"{RESETS}. Sound returns when that is done$"),
         ({"armed": False}, {"resetting": True}, f"{RESETS}.*but the game must arm the output$"),

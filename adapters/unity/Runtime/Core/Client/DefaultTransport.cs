@@ -28,9 +28,9 @@ namespace Pacinian
                 {
                     _curve = _curve ?? Transports.MakeCurve();
                 }
-                catch (Exception error) when (ErrorMessages.IsMissingLibrary(error))
+                catch (Exception error) when (Transports.IsMissingLibrary(error))
                 {
-                    return ErrorMessages.Of(error);
+                    return ErrorMessages.DescribeException(error);
                 }
                 _current = _curve;
             }

@@ -66,7 +66,7 @@ namespace Pacinian
             }
             catch (Exception error)
             {
-                problem = ErrorMessages.Of(error);
+                problem = ErrorMessages.DescribeException(error);
             }
             _done(problem);
         }
@@ -101,7 +101,7 @@ namespace Pacinian
                 Ending ending = transport.Ended();
                 if (ending != Ending.None)
                 {
-                    return ErrorMessages.Of(ending, file.Control, transport.Problem);
+                    return ErrorMessages.DescribeEnding(ending, file.Control, transport.Problem);
                 }
                 transport.Wait(end - _options.Clock());
             }

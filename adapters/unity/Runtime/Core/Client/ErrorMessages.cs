@@ -5,22 +5,26 @@ using Pacinian.Wire;
 
 namespace Pacinian
 {
-    /// <summary>Messages for people that say why there is no connection, and what to do.</summary>
+    /// <summary>
+    /// Messages for people that say what is wrong, and what to do. Those about the connection file are in
+    /// ConnectionFile.cs.
+    /// </summary>
     internal static class ErrorMessages
     {
         private const string NoLibrary = "this server requires CURVE keys, so this program needs the library libzmq (4.3 or newer), but "
             + "libzmq is not installed: in Unity, Window > Pacinian > Server copies it; otherwise install libzmq5 (Debian) or zeromq "
             + "(Homebrew), or put libzmq.dll beside the program; a server on this machine that uses a token needs no libzmq: ";
 
-        public const string Nothing = "; nothing of this session goes on";
+        /// <summary>Appended to the reason for the end of a session that had begun.</summary>
+        public const string SessionOverSuffix = "; nothing of this session goes on";
 
         /// <summary>Returns why the connection to an address has ended. why: the transport's reason, or "".</summary>
-        public static string Of(Ending ending, string at, string why)
+        public static string DescribeEnding(Ending ending, string at, string why)
         {
-            return Of(ending, at) + (why.Length > 0 && ending != Ending.Denied ? ": " + why : "");
+            return DescribeEnding(ending, at) + (why.Length > 0 && ending != Ending.Denied ? ": " + why : "");
         }
 
-        private static string Of(Ending ending, string at)
+        private static string DescribeEnding(Ending ending, string at)
         {
             switch (ending)
             {
@@ -36,7 +40,7 @@ namespace Pacinian
         }
 
         /// <summary>Returns the refusal of an error reply.</summary>
-        public static Refusal Of(Error error)
+        public static Refusal MakeRefusal(Error error)
         {
             string advice = error.Advice;
             if (error.Code == Code.Version && advice.Length == 0)
@@ -45,18 +49,6 @@ namespace Pacinian
             }
             string code = Encoding.ASCII.GetString(Words.Code[(int)error.Code]);
             return new Refusal { Code = code, Message = error.Message, Path = error.Path, Advice = advice };
-        }
-
-        /// <summary>Returns whether an error ends the sound of an owner unasked.</summary>
-        public static bool Ends(Code code)
-        {
-            return code == Code.Expired || code == Code.Owner || code == Code.Fault || code == Code.Stopped;
-        }
-
-        /// <summary>Returns whether the server rejects the client.</summary>
-        public static bool Refuses(Ending ending)
-        {
-            return ending == Ending.Denied || ending == Ending.Foreign;
         }
 
         /// <summary>Returns what is wrong with the options that the server does not see; "" if nothing is.</summary>
@@ -75,16 +67,10 @@ namespace Pacinian
             return "no answer to `" + what + "` within " + time + " s: the server hangs";
         }
 
-        /// <summary>Returns why a thread of the client has ended.</summary>
-        public static string Of(Exception error)
+        /// <summary>Returns the message for an exception that has ended a thread or a transport of the client.</summary>
+        public static string DescribeException(Exception error)
         {
-            return IsMissingLibrary(error) ? NoLibrary + error.Message : "the client has failed: " + error;
-        }
-
-        /// <summary>Returns whether a native library is missing, or cannot be used.</summary>
-        public static bool IsMissingLibrary(Exception error)
-        {
-            return error is DllNotFoundException || error is BadImageFormatException || error is EntryPointNotFoundException;
+            return Transports.IsMissingLibrary(error) ? NoLibrary + error.Message : "the client has failed: " + error;
         }
 
         /// <summary>Returns the message for different major versions: it asks for an update of the older side.</summary>

@@ -21,7 +21,8 @@ namespace Pacinian
             }
             if (ending != Ending.None && !heard)
             {
-                SetLost(ErrorMessages.Of(ending, _at, why), ErrorMessages.Refuses(ending));
+                bool refused = ending == Ending.Denied || ending == Ending.Foreign;
+                SetLost(ErrorMessages.DescribeEnding(ending, _at, why), refused);
             }
         }
 
@@ -48,7 +49,7 @@ namespace Pacinian
             {
                 return;
             }
-            Over = why + (Begun ? ErrorMessages.Nothing : "");
+            Over = why + (Begun ? ErrorMessages.SessionOverSuffix : "");
             Refused = refused;
             _unanswered.Forget(_shared.Inbox);
         }

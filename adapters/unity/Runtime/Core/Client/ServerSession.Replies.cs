@@ -155,7 +155,7 @@ namespace Pacinian
 
         private void Handle(Error error)
         {
-            Refusal why = ErrorMessages.Of(error);
+            Refusal why = ErrorMessages.MakeRefusal(error);
             if (!Begun)
             {
                 SetLost(why.ToString(), true);
@@ -164,7 +164,7 @@ namespace Pacinian
             {
                 SetLost(why.Message, false);
             }
-            else if (error.Id == 0 && ErrorMessages.Ends(error.Code))
+            else if (error.Id == 0 && EndsSound(error.Code))
             {
                 _sessionState.Armed = false;
                 PublishStatus();
@@ -179,6 +179,12 @@ namespace Pacinian
                 }
                 _shared.Inbox.AddRefusal(why);
             }
+        }
+
+        /// <summary>Returns whether an error ends the sound of an owner unasked.</summary>
+        private static bool EndsSound(Code code)
+        {
+            return code == Code.Expired || code == Code.Owner || code == Code.Fault || code == Code.Stopped;
         }
 
         private void ReportUnreadable()

@@ -1,3 +1,5 @@
+using System;
+
 namespace Pacinian
 {
     /// <summary>Creates the built-in transports.</summary>
@@ -20,6 +22,12 @@ namespace Pacinian
 #else
             return new ZmqTransport();
 #endif
+        }
+
+        /// <summary>Returns whether an exception says that a native library is missing, or cannot be used.</summary>
+        internal static bool IsMissingLibrary(Exception error)
+        {
+            return error is DllNotFoundException || error is BadImageFormatException || error is EntryPointNotFoundException;
         }
     }
 }

@@ -63,7 +63,7 @@ namespace Pacinian
             }
             catch (Exception error)
             {
-                problem = ErrorMessages.Of(error);
+                problem = ErrorMessages.DescribeException(error);
             }
             finally
             {

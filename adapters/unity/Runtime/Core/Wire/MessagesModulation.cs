@@ -822,7 +822,7 @@ namespace Pacinian.Wire
         /// <summary>Displacement to either side. more than 0, at most 10 [m].</summary>
         public double Amplitude;
 
-        /// <summary>Direction of the motion, about the normal from the frame's x-axis. -1e+06 to 1e+06 [deg].</summary>
+        /// <summary>Angle of the motion from the frame's x-axis, turned about the normal. -1e+06 to 1e+06 [deg].</summary>
         public double Angle;
 
         /// <inheritdoc/>

@@ -160,7 +160,7 @@ struct LM {
   double frequency = 0.0;
   /// displacement to either side; more than 0, at most 10 [m]
   double amplitude = 0.0;
-  /// direction of the motion, about the normal from the frame's x-axis; -1e+06 to 1e+06 [deg]
+  /// angle of the motion from the frame's x-axis, turned about the normal; -1e+06 to 1e+06 [deg]
   double angle = 0.0;
 };
 

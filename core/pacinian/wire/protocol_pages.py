@@ -1,4 +1,4 @@
-"""The wire protocol as two Markdown pages: prose from page.md and messages.md, tables from the message classes."""
+"""The wire protocol as two Markdown pages: prose from guide.md and messages.md, tables from the message classes."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 def make_guide(lease: float) -> str:
     """Return the page that says how to talk to the server, in Markdown. lease: the server's default lease [s]."""
-    return _fill("page.md", lease=f"{lease:g}")
+    return _fill("guide.md", lease=f"{lease:g}")
 
 
 def make_reference() -> str:

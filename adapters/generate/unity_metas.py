@@ -46,7 +46,7 @@ def guid(path: str) -> str:
     return hashlib.md5(f"{NAME}/{path}".encode(), usedforsecurity=False).hexdigest()
 
 
-def text(package: Path, path: Path) -> str:
+def make_meta(package: Path, path: Path) -> str:
     """Return the content of an asset's .meta file. Raises KeyError for an unknown kind of file."""
     head = f"fileFormatVersion: 2\nguid: {guid(path.relative_to(package).as_posix())}\n"
     if path.is_dir():
@@ -56,7 +56,9 @@ def text(package: Path, path: Path) -> str:
 
 def generate_metas(package: Path) -> dict[Path, str]:
     """Return all .meta files and their contents."""
-    return {path.with_name(path.name + ".meta"): text(package, path) for path in assets(package)}
+    return {
+        path.with_name(path.name + ".meta"): make_meta(package, path) for path in assets(package)
+    }
 
 
 def find_differing(package: Path) -> list[Path]:
