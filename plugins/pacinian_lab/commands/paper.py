@@ -26,9 +26,9 @@ if TYPE_CHECKING:
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object, in SI units.")
 @click.option("--no-figures", is_flag=True, help="Draw nothing.")
 def paper(out: Path, as_json: bool, no_figures: bool) -> None:
-    """Reproduce the paper by Hasegawa and Shinoda that Pacinian grew from.
+    """Reproduce the paper that Pacinian grew from.
 
-    Repeats its experiment, baseline, focus and forces.
+    Repeats the experiment, baseline, focus and forces of Hasegawa and Shinoda.
     """
     import json
 
