@@ -36,7 +36,7 @@ KEPT: list[Kept] = []
 
 @pytest.fixture
 def kept(monkeypatch: pytest.MonkeyPatch) -> list[Kept]:
-    monkeypatch.setattr(bars, "Terminal", Kept)
+    monkeypatch.setattr(bars, "TerminalBar", Kept)
     KEPT.clear()
     return KEPT
 

@@ -21,14 +21,14 @@ if TYPE_CHECKING:
 
     from pacinian.types import Floats
 
-MAX_NODES = 10_000  # rows of a table
-MAX_VALUE = 10.0  # largest |D|: P0 is the strength on the axis
+MAX_TABLE_ROWS = 10_000  # largest number of rows of a table
+MAX_DIRECTIVITY = 10.0  # largest |D|: P0 is the strength on the axis
 END_TOLERANCE = 0.01  # by which a table may miss pi / 2 [rad]
 AXIS_TOLERANCE = 1e-3  # by which a table may miss 1 on the axis
 
 # Nicera T4010A1, as measured for the AUTD3 software: D = A + B x + C x^2 + D x^3 on ten-degree
 # segments of theta, x = theta - 10 i [deg]; -15 dB at 90 degrees.
-SEGMENTS = np.array(
+T4010A1_CUBICS = np.array(
     [
         [1.0, 0.0, 0.0, 0.0],
         [1.0, 0.0, 0.0, 0.0],
@@ -53,7 +53,7 @@ def t4010a1(cos_theta: Floats) -> Floats:
     theta = np.degrees(np.arccos(np.clip(cos_theta, 0.0, 1.0)))  # [deg]
     segment = np.clip(np.ceil(theta / 10.0).astype(np.intp) - 1, 0, 8)
     x = theta - 10.0 * segment
-    A, B, C, D = np.moveaxis(SEGMENTS[segment], -1, 0)
+    A, B, C, D = np.moveaxis(T4010A1_CUBICS[segment], -1, 0)
     return np.where(cos_theta > 0.0, A + x * (B + x * (C + x * D)), 0.0)
 
 
@@ -100,8 +100,8 @@ class DirectivityTable(Struct, frozen=True, forbid_unknown_fields=True):
     def __post_init__(self) -> None:
         a = check_numbers("angles", self.angles, (None,))
         v = check_numbers("values", self.values, (None,))
-        if not 2 <= len(a) <= MAX_NODES:
-            raise ArgumentError("angles", f"must be 2 to {MAX_NODES}, not {len(a)}")
+        if not 2 <= len(a) <= MAX_TABLE_ROWS:
+            raise ArgumentError("angles", f"must be 2 to {MAX_TABLE_ROWS}, not {len(a)}")
         if len(v) != len(a):
             raise ArgumentError("values", f"must be {len(a)}, one for each angle, not {len(v)}")
         if (np.diff(a) <= 0.0).any():
@@ -118,8 +118,8 @@ class DirectivityTable(Struct, frozen=True, forbid_unknown_fields=True):
                 f"must begin with 1, on the axis, not {v[0]:g}: divide the sound pressures by that on the axis "
                 "(are they in decibels? D = 10^(dB / 20))",
             )
-        if (np.abs(v) > MAX_VALUE).any():
-            raise ArgumentError("values", f"must be -{MAX_VALUE:g} to {MAX_VALUE:g}")
+        if (np.abs(v) > MAX_DIRECTIVITY).any():
+            raise ArgumentError("values", f"must be -{MAX_DIRECTIVITY:g} to {MAX_DIRECTIVITY:g}")
         force_setattr(self, "angles", tuple(a.tolist()))
         force_setattr(self, "values", tuple(v.tolist()))
 

@@ -55,7 +55,7 @@ def demo(
         click.echo(f"A ball circles a button above {count}, for {seconds:g} s ...", err=True)
 
     from pacinian.acoustics.array import autd
-    from pacinian.cli.plugin_blame import forbid_exit, open_renderer
+    from pacinian.cli.plugin_blame import forbid_exit, keep_renderer_open
     from pacinian.cli.run_output import picture, print_summary, progress, summary
     from pacinian.cli.run_verdict import ProcessorMeter, describe_success
     from pacinian.demo_scene import alternate, make_circling_scene
@@ -69,7 +69,7 @@ def demo(
     others: float | None = None
     with (
         forbid_exit(),
-        open_renderer(renderer),
+        keep_renderer_open(renderer),
         progress("rendering", seconds * (2 if dummy else 1), as_json) as on_tick,
     ):
         meter = ProcessorMeter()

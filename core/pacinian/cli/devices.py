@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pacinian.cli.device_calibrate import calibrate
-from pacinian.cli.doctor_rules import RIGHTS
+from pacinian.cli.doctor_rules import UDEV_FIX
 from pacinian.cli.options import TEXT, NonEmptyPath
 from pacinian.cli.run_output import check_picture_path
 from pacinian.errors import replace_unprintable
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 FILE = click.argument("file", type=NonEmptyPath(path_type=Path))
 JSON = click.option("--json", "as_json", is_flag=True, help="One JSON object instead of text.")
 ADVICE = {
-    "linux": f"Rights: {RIGHTS}.",
+    "linux": f"Rights: {UDEV_FIX}.",
     "win32": "Driver: install WinUSB for the device with Zadig (https://zadig.akeo.ie): Options, List All Devices, "
     "then select it by its name. Never select a keyboard or a hub.",
     "darwin": "macOS needs no driver and no rights for USB; a serial port must be free of other programs.",

@@ -57,18 +57,18 @@ def _safely(name: str, look: Callable[[], Finding]) -> Finding:
         return look()
     except Exception as error:
         why = f"cannot be checked: {describe_error(error)}"
-        return Finding(name, "problem", why, doctor_rules.INSTALL)
+        return Finding(name, "problem", why, doctor_rules.INSTALL_FIX)
 
 
 def python() -> Finding:
     """Probe the interpreter."""
-    return doctor_rules.python(sys.version_info[:3], sys.executable)
+    return doctor_rules.check_python(sys.version_info[:3], sys.executable)
 
 
 def libraries() -> Finding:
     """Probe the libraries that the distribution requires, without extras."""
     needed = [r for r in importlib.metadata.requires("pacinian") or () if "extra ==" not in r]
-    return doctor_rules.libraries({name: _version(name) for name in map(_name, needed)})
+    return doctor_rules.check_libraries({name: _version(name) for name in map(_name, needed)})
 
 
 def _name(requirement: str) -> str:
@@ -91,27 +91,29 @@ def extras() -> Finding:
         asked = re.search(r"extra == ['\"]([\w-]+)", requirement)
         if asked and asked[1] in EXTRAS and name != "pacinian" and _version(name) is None:
             missing.setdefault(asked[1], name)
-    return doctor_rules.extras(missing)
+    return doctor_rules.check_extras(missing)
 
 
 def curve() -> Finding:
     """Probe ZeroMQ's encryption."""
     import zmq
 
-    return doctor_rules.curve(zmq.has("curve"), zmq.zmq_version())
+    return doctor_rules.check_encryption(zmq.has("curve"), zmq.zmq_version())
 
 
 def kernels() -> Finding:
     """Probe the variant of the kernels in use."""
     from pacinian import native
 
-    return doctor_rules.kernels(native.VARIANT, native.load(native.__name__, "_plain").level())
+    return doctor_rules.check_kernels(
+        native.VARIANT, native.load(native.__name__, "_plain").level()
+    )
 
 
 def processor() -> Finding:
     """Probe the number of cores."""
     affinity = getattr(os, "sched_getaffinity", None)
-    return doctor_rules.processor(len(affinity(0)) if affinity else os.cpu_count() or 1)
+    return doctor_rules.check_processor(len(affinity(0)) if affinity else os.cpu_count() or 1)
 
 
 def plugins() -> Finding:
@@ -126,7 +128,7 @@ def plugins() -> Finding:
     if thread.is_alive():
         late = f"has not been imported in {MAX_IMPORT_TIME:g} s"
         failed.append(f"plug-in {found.importing!r} {late}")
-    return doctor_rules.plugins(len(found.offers), failed)
+    return doctor_rules.check_plugins(len(found.offers), failed)
 
 
 def port() -> Finding:
@@ -136,8 +138,8 @@ def port() -> Finding:
             listener.bind(("127.0.0.1", 0))
             listener.listen()
     except OSError as error:
-        return doctor_rules.port(str(error))
-    return doctor_rules.port("")
+        return doctor_rules.check_loopback(str(error))
+    return doctor_rules.check_loopback("")
 
 
 def memory() -> Finding:
@@ -148,12 +150,12 @@ def memory() -> Finding:
     folder = find_root()
     needed = SLOTS * (sum(CAPACITIES.values()) + compute_frame_capacity(DEVICES))
     free = shutil.disk_usage(folder).free
-    return doctor_rules.memory(str(folder), os.access(folder, os.W_OK), free, needed)
+    return doctor_rules.check_shared_memory(str(folder), os.access(folder, os.W_OK), free, needed)
 
 
 def clock() -> Finding:
     """Probe the resolution of the clock and the lateness of sleeps. Takes a fifth of a second."""
-    return doctor_rules.clock(time.get_clock_info("perf_counter").resolution, list(_late()))
+    return doctor_rules.check_clock(time.get_clock_info("perf_counter").resolution, list(_late()))
 
 
 def _late() -> Iterator[float]:
@@ -167,13 +169,13 @@ def usb() -> Finding:
     """Probe libusb through pyusb."""
     from usb.backend import libusb1
 
-    return doctor_rules.usb(libusb1.get_backend() is not None, sys.platform)
+    return doctor_rules.check_usb(libusb1.get_backend() is not None, sys.platform)
 
 
 def permissions() -> Finding:
     """Probe the permissions of the USB devices' files."""
     files = list(Path("/dev/bus/usb").glob("*/*"))
-    return doctor_rules.permissions(len(files), sum(os.access(f, os.W_OK) for f in files))
+    return doctor_rules.check_usb_permissions(len(files), sum(os.access(f, os.W_OK) for f in files))
 
 
 def file(given: str | None) -> Finding:
@@ -186,7 +188,7 @@ def file(given: str | None) -> Finding:
             Connection.read(path)
         except PacinianError as problem:
             error = str(problem)
-    return doctor_rules.connection(str(path), there, error)
+    return doctor_rules.check_connection_file(str(path), there, error)
 
 
 def server(given: str | None) -> Finding:
@@ -197,9 +199,9 @@ def server(given: str | None) -> Finding:
         with Client(given, name="pacinian doctor", timeout=MAX_ANSWER_TIME) as client:
             state = client.status()
             why = client.explain_silence(state)
-            return doctor_rules.server("", state.output, client.server, str(why or ""))
+            return doctor_rules.check_server("", state.output, client.server, str(why or ""))
     except PacinianError as error:
-        return doctor_rules.server(str(error), "", "")
+        return doctor_rules.check_server(str(error), "", "")
 
 
 def air(given: str | None) -> Finding:
@@ -209,6 +211,6 @@ def air(given: str | None) -> Finding:
 
     try:
         with Client(given, name="pacinian doctor", timeout=MAX_ANSWER_TIME) as client:
-            return doctor_rules.air(describe_air(client.capabilities().sound))
+            return doctor_rules.report_air(describe_air(client.capabilities().sound))
     except PacinianError:  # `server` has reported it already
-        return doctor_rules.air("not reported")
+        return doctor_rules.report_air("not reported")

@@ -13,14 +13,18 @@ if TYPE_CHECKING:
 
 MAX_LISTED = 8  # items listed in one finding
 MIN_PYTHON = 3, 11
-JITTER = 0.001  # 99th percentile of the lateness of a sleep [s]
+# 99th percentile of the lateness of sleeps above which `doctor` warns [s].
+MAX_SLEEP_LATENESS = 0.001
 VARIANTS = {"v4": "AVX-512", "v3": "AVX2", "plain": "all processors of its kind"}
-X86 = 1  # lowest level of an x86-64 processor
-RIGHTS = (
+MIN_X86_LEVEL = 1  # lowest level of an x86-64 processor
+UDEV_FIX = (
     "`pacinian devices udev | sudo tee /etc/udev/rules.d/72-pacinian.rules`, then "
     "`sudo udevadm control --reload && sudo udevadm trigger`, and plug it in again"
 )
-INSTALL = "in a fresh virtual environment, run `python -m pip install SOURCE`, where SOURCE is the wheel or the folder"
+INSTALL_FIX = (
+    "in a fresh virtual environment, run `python -m pip install SOURCE`, where SOURCE is the wheel or the "
+    "folder"
+)
 
 Level = Literal["ok", "warning", "problem"]
 
@@ -41,7 +45,7 @@ def list_first(items: Sequence[object], gap: str = ", ") -> str:
     return gap.join(map(str, items[:MAX_LISTED])) + more
 
 
-def python(version: tuple[int, int, int], executable: str) -> Finding:
+def check_python(version: tuple[int, int, int], executable: str) -> Finding:
     """Check the Python version."""
     text = f"{'.'.join(map(str, version))}, {executable}"
     if version[:2] < MIN_PYTHON:
@@ -49,16 +53,16 @@ def python(version: tuple[int, int, int], executable: str) -> Finding:
     return Finding("Python", "ok", text)
 
 
-def libraries(versions: Mapping[str, str | None]) -> Finding:
+def check_libraries(versions: Mapping[str, str | None]) -> Finding:
     """Check the required libraries: version by name, or None if one is missing."""
     missing = [name for name, version in versions.items() if version is None]
     if missing:
-        return Finding("libraries", "problem", f"missing: {', '.join(missing)}", INSTALL)
+        return Finding("libraries", "problem", f"missing: {', '.join(missing)}", INSTALL_FIX)
     text = ", ".join(f"{name} {version}" for name, version in versions.items())
     return Finding("libraries", "ok", text)
 
 
-def extras(missing: Mapping[str, str]) -> Finding:
+def check_extras(missing: Mapping[str, str]) -> Finding:
     """List the optional libraries. missing: extra to its first missing library."""
     if not missing:
         return Finding("extras", "ok", "all installed")
@@ -67,7 +71,7 @@ def extras(missing: Mapping[str, str]) -> Finding:
     return Finding("extras", "ok", text, f"if wanted: {suggest_install(names)}")
 
 
-def curve(has: bool, version: str) -> Finding:
+def check_encryption(has: bool, version: str) -> Finding:
     """Check that ZeroMQ has encryption."""
     if has:
         return Finding("ZeroMQ", "ok", f"libzmq {version} with CURVE")
@@ -76,16 +80,16 @@ def curve(has: bool, version: str) -> Finding:
     return Finding("ZeroMQ", "warning", text, fix)
 
 
-def kernels(variant: str, level: int) -> Finding:
+def check_kernels(variant: str, level: int) -> Finding:
     """Check the compiled kernels. variant: variant in use. level: x86-64 level of the processor; 0 if it is another."""
     text = f"compiled for {VARIANTS[variant]}"
-    if variant == "plain" and level >= X86:
+    if variant == "plain" and level >= MIN_X86_LEVEL:
         fix = "use a processor with AVX2, as most since 2015 have"
         return Finding("kernels", "warning", f"{text}: expect several times longer ticks", fix)
     return Finding("kernels", "ok", text)
 
 
-def processor(cores: int) -> Finding:
+def check_processor(cores: int) -> Finding:
     """Check the number of cores that this process may use."""
     text = f"{cores} cores"
     if cores < 2:
@@ -94,17 +98,17 @@ def processor(cores: int) -> Finding:
     return Finding("processor", "ok", text)
 
 
-def plugins(count: int, failed: Sequence[str]) -> Finding:
+def check_plugins(count: int, failed: Sequence[str]) -> Finding:
     """Check the solvers and backends. failed: why some plug-ins do not load."""
     if failed:
         fix = "update or uninstall the packages that ship them"
         return Finding("plug-ins", "problem", "; ".join(failed), fix)
     if not count:
-        return Finding("plug-ins", "problem", "none found", INSTALL)
+        return Finding("plug-ins", "problem", "none found", INSTALL_FIX)
     return Finding("plug-ins", "ok", f"{count} solvers and backends")
 
 
-def port(error: str) -> Finding:
+def check_loopback(error: str) -> Finding:
     """Check that a socket can be bound on loopback. error: why not, or ""."""
     if error:
         fix = "allow local sockets: check the firewall, container or sandbox"
@@ -112,7 +116,7 @@ def port(error: str) -> Finding:
     return Finding("loopback", "ok", "a port can be bound on 127.0.0.1")
 
 
-def connection(path: str, there: bool, error: str) -> Finding:
+def check_connection_file(path: str, there: bool, error: str) -> Finding:
     """Check the connection file. error: why it cannot be used, or ""."""
     if not there:
         text = f"{path} does not exist: no server runs, or it uses another file"
@@ -123,7 +127,7 @@ def connection(path: str, there: bool, error: str) -> Finding:
     return Finding("connection file", "ok", path)
 
 
-def server(error: str, output: str, version: str, why: str = "") -> Finding:
+def check_server(error: str, output: str, version: str, why: str = "") -> Finding:
     """Check that the server of the connection file answers. error: why not, or "". why: why it is silent, or ""."""
     if error:
         return Finding("server", "problem", error, "see its log; start `pacinian serve` again")
@@ -134,7 +138,7 @@ def server(error: str, output: str, version: str, why: str = "") -> Finding:
     return Finding("server", "ok", f"{text}; another server needs its own --connection")
 
 
-def air(text: str) -> Finding:
+def report_air(text: str) -> Finding:
     """Report the air that the server assumes."""
     fix = (
         "measure the air at the array; if it differs, use `pacinian serve --temperature`: an error of 10 degrees costs "
@@ -143,7 +147,7 @@ def air(text: str) -> Finding:
     return Finding("air", "ok", f"the server assumes: {text}", fix)
 
 
-def memory(folder: str, writable: bool, free: int, needed: int) -> Finding:
+def check_shared_memory(folder: str, writable: bool, free: int, needed: int) -> Finding:
     """Check the shared memory. free: free space [bytes]. needed: space that a server needs [bytes]."""
     text = f"{folder}, {free / 2**20:.0f} MiB free, {needed / 2**20:.0f} MiB needed"
     if not writable:
@@ -155,7 +159,7 @@ def memory(folder: str, writable: bool, free: int, needed: int) -> Finding:
     return Finding("shared memory", "ok", text)
 
 
-def clock(resolution: float, late: Sequence[float]) -> Finding:
+def check_clock(resolution: float, late: Sequence[float]) -> Finding:
     """Check the clock. resolution: of the clock [s]. late: lateness of sleeps of 1 ms [s]."""
     p99 = sorted(late)[math.ceil(0.99 * len(late)) - 1]
     text = (
@@ -164,13 +168,13 @@ def clock(resolution: float, late: Sequence[float]) -> Finding:
     )
     if resolution > 1e-5:
         return Finding("clock", "problem", text, "a clock of 10 microseconds or better is needed")
-    if p99 > JITTER:
+    if p99 > MAX_SLEEP_LATENESS:
         fix = "close other programs; power saving or a busy virtual machine can also cause this"
         return Finding("clock", "warning", text, fix)
     return Finding("clock", "ok", text)
 
 
-def usb(libusb: bool, platform: str) -> Finding:
+def check_usb(libusb: bool, platform: str) -> Finding:
     """Check the library that USB arrays need."""
     if libusb:
         return Finding("USB", "ok", "libusb is installed")
@@ -183,11 +187,11 @@ def usb(libusb: bool, platform: str) -> Finding:
     return Finding("USB", "warning", "libusb is not installed: USB arrays cannot be used", fix)
 
 
-def permissions(devices: int, usable: int) -> Finding:
+def check_usb_permissions(devices: int, usable: int) -> Finding:
     """Check how many of the USB devices this user may open (Linux)."""
     if not devices:
         return Finding("USB permissions", "ok", "no USB device")
     text = f"you can open {usable} of {devices} USB devices"
     if not usable:
-        return Finding("USB permissions", "warning", text, f"if you have a USB array: {RIGHTS}")
+        return Finding("USB permissions", "warning", text, f"if you have a USB array: {UDEV_FIX}")
     return Finding("USB permissions", "ok", text)

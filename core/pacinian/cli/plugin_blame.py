@@ -26,7 +26,7 @@ def forbid_exit() -> Generator[None]:
 
 @contextmanager
 def blame_plugin(plugins: str) -> Generator[None]:
-    """Take every exception in the body of the `with` statement for one of a plug-in, except Pacinian's own errors.
+    """Report an exception in the `with` block as an error of the plug-in, unless it is Pacinian's own.
 
     plugins: the plug-ins that may have raised it, as in "backend 'simulated'". Raises PluginError, which names them.
     """
@@ -39,7 +39,7 @@ def blame_plugin(plugins: str) -> Generator[None]:
 
 
 @contextmanager
-def open_renderer(renderer: Renderer) -> Generator[None]:
+def keep_renderer_open(renderer: Renderer) -> Generator[None]:
     """Open a renderer, and close it at the end of the `with` statement.
 
     Raises PluginError, which names the backend that cannot be opened. If the renderer is strict, it also tries the

@@ -74,7 +74,7 @@ def render(
     """
     from msgspec.structs import replace
 
-    from pacinian.cli.plugin_blame import forbid_exit, open_renderer
+    from pacinian.cli.plugin_blame import forbid_exit, keep_renderer_open
     from pacinian.cli.run_output import picture, print_summary, progress, summary
     from pacinian.cli.run_verdict import ProcessorMeter
     from pacinian.rendering.recording import Recorder
@@ -102,7 +102,7 @@ def render(
     }
     with (
         forbid_exit(),
-        open_renderer(renderer),
+        keep_renderer_open(renderer),
         progress(scene.name, seconds or 1.0, as_json) as on_tick,
     ):
         meter = ProcessorMeter()

@@ -21,7 +21,9 @@ CUT_SHORT = "the recording is cut short: it ends within a tick, so later ticks a
     "--backend", type=TEXT, default="simulated", show_default=True, help="Backend to play on."
 )
 @click.option(
-    "--strict", is_flag=True, help="Refuse another array, and exit with code 1 if frames are late."
+    "--strict",
+    is_flag=True,
+    help="Refuse to play on an array that differs from the recording's, and exit with code 1 if frames are late.",
 )
 @click.option("--json", "as_json", is_flag=True, help="One JSON object instead of a line.")
 def replay(recording: str, backend: str, strict: bool, as_json: bool) -> None:

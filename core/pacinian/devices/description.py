@@ -12,7 +12,7 @@ from msgspec.structs import replace
 
 from pacinian.acoustics.array import Array
 from pacinian.acoustics.directivity import DIRECTIVITIES, DirectivityTable
-from pacinian.acoustics.transducer import Transducer
+from pacinian.acoustics.transducer import T4010A1, Transducer
 from pacinian.acoustics.uncertainty import MAX_PRESSURE_DEVIATION, Uncertainty
 from pacinian.argument_checks import check_integer, check_number
 from pacinian.config_files import decode_document, json_schema
@@ -31,8 +31,8 @@ class TransducerType(Struct, frozen=True, forbid_unknown_fields=True):
     a table as measured.
     """
 
-    frequency: float = 40_000.0
-    pressure: float = 4.386
+    frequency: float = T4010A1.frequency
+    pressure: float = T4010A1.pressure
     pressure_error: float = 0.3
     directivity: Literal["omni", "t4010a1"] | DirectivityTable = "t4010a1"
 

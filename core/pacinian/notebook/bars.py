@@ -12,8 +12,9 @@ from pacinian.notebook.cards import escape
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator
 
-REFRESH = 0.5  # period of redraws, which the loop's own thread does [s]
-PAGE = "ZMQInteractiveShell"  # class name of IPython's shell in a notebook
+# Shortest time between redraws [s]. They run in the thread of the loop, so they cost it time.
+REFRESH = 0.5
+NOTEBOOK_SHELL = "ZMQInteractiveShell"  # class name of IPython's shell in a notebook
 
 
 class TickCounts(Protocol):
@@ -44,7 +45,7 @@ def progress(
     what: title of the bar. seconds: duration of the run [s]. clock: steady clock [s]. In a terminal the bar is on
     standard error.
     """
-    bar: Bar = Page(what, seconds) if _in_notebook() else Terminal(what, seconds)
+    bar: Bar = NotebookBar(what, seconds) if _in_notebook() else TerminalBar(what, seconds)
     begin = seen = clock()
     state = ""
 
@@ -62,7 +63,7 @@ def progress(
         bar.end()
 
 
-class Terminal:
+class TerminalBar:
     """A bar on standard error, with the remaining time."""
 
     def __init__(self, what: str, seconds: float) -> None:
@@ -90,7 +91,7 @@ class Terminal:
         self._bar.stop()
 
 
-class Page:
+class NotebookBar:
     """A bar in the output of a notebook cell."""
 
     def __init__(self, what: str, seconds: float) -> None:
@@ -119,4 +120,4 @@ def _in_notebook() -> bool:
         return False
     from IPython import get_ipython
 
-    return type(get_ipython()).__name__ == PAGE
+    return type(get_ipython()).__name__ == NOTEBOOK_SHELL

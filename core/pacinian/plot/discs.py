@@ -28,7 +28,11 @@ LIGHT = np.array([0.3, -0.4, 0.9])
 DARKEST = 0.5  # brightness of a side facing away from the light
 # distance between discs on an object [m]; their maximum number
 DISC_SPACING, MAX_DISCS = 0.002, 4000
-DISCS, SKIN_DISC = 1.75e-3, 4.2e-3  # distance between discs on a skin, and their diameter [m]
+SKIN_DISC_SPACING = 1.75e-3  # distance between discs on a skin [m]
+SKIN_DISC_DIAMETER = 4.2e-3  # [m]
+TRANSDUCER_DISC_DIAMETER = 0.006  # [m]
+POINT_DISC_DIAMETER = 0.004  # of objects without a surface: points, paths and particles [m]
+SURFACE_DISC_RATIO = 1.9  # diameter of the discs on a surface, over their distance: they overlap
 GLASS = 0.15  # opacity of open surfaces, which would hide the hand
 
 
@@ -42,7 +46,7 @@ class Discs:
 
     @classmethod
     def of(cls, points: Floats, colour: Colour, size: float, opacity: float = 1.0) -> Discs:
-        """All alike."""
+        """Return equal discs at `points`, (K, 3) [m], of diameter `size` [m]."""
         K = len(points)
         return cls(points, np.tile([*colour, opacity], (K, 1)), np.full(K, size))
 
@@ -51,7 +55,7 @@ class Discs:
         return self.only(((self.points >= box[0]) & (self.points <= box[1])).all(axis=1))
 
     def only(self, kept: Flags) -> Discs:
-        """Those, (K,)."""
+        """Return the discs for which `kept`, (K,), is True."""
         return Discs(self.points[kept], self.colours[kept], self.sizes[kept])
 
     def lit(self, normals: Floats, eye: Floats) -> Discs:
@@ -70,28 +74,30 @@ def towards(elevation: float, azimuth: float) -> Floats:
 
 
 def array_of(array: Array) -> Discs:
-    """The transducers."""
-    return Discs.of(array.positions, METAL, 0.006)
+    """Return one disc for each transducer of an array."""
+    return Discs.of(array.positions, METAL, TRANSDUCER_DISC_DIAMETER)
 
 
 def skin(hand: Hand, eye: Floats) -> Discs:
-    """A hand, which is not lost."""
+    """Return the part of a hand's skin that faces the viewer in direction `eye`, (3,). The hand must not be lost."""
     skin = get_skin(hand)
-    placed, nodes = skin.place(hand), skin.counts[skin.level(DISCS)]
-    return Discs.of(placed.points[:nodes], SKIN, SKIN_DISC).lit(placed.normals[:nodes], eye)
+    placed, nodes = skin.place(hand), skin.counts[skin.level(SKIN_DISC_SPACING)]
+    return Discs.of(placed.points[:nodes], SKIN, SKIN_DISC_DIAMETER).lit(
+        placed.normals[:nodes], eye
+    )
 
 
 def make_object(item: Object, pose: Pose, eye: Floats) -> Discs:
-    """An object: its cover, and its texture."""
+    """Return the surface of an object at a pose, with its texture as brightness; points, if it has no surface."""
     spacing = DISC_SPACING * max(
         1.0, float(np.sqrt(estimate_samples(item, DISC_SPACING) / MAX_DISCS))
     )
     local = item.sample_surface(spacing)
     points = pose.points(local.points)
     if not isinstance(item, Body):
-        return Discs.of(points, THING, 0.004)
+        return Discs.of(points, THING, POINT_DISC_DIAMETER)
     flat = isinstance(item, Surface)
-    made = Discs.of(points, THING, 1.9 * spacing, GLASS if flat else 1.0)
+    made = Discs.of(points, THING, SURFACE_DISC_RATIO * spacing, GLASS if flat else 1.0)
     if item.texture is not None:
         made.colours[:, :3] *= 0.4 + 0.6 * item.texture.at(local.points)[:, None]
     normals = pose.directions(local.normals)

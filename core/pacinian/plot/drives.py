@@ -23,9 +23,11 @@ if TYPE_CHECKING:
 
 Part = Literal["phase", "amplitude"]
 
-BESIDE, BELOW = 1.1, 0.4  # [inch] for labels and colour bar; for labels
+SIDE_MARGIN = 1.1  # for labels and the colour bar [inch]
+BOTTOM_MARGIN = 0.4  # for labels [inch]
 MIN_HEIGHT, MAX_HEIGHT = 1.3, 4.0  # [inch]
-WIDE = 0.01  # diameter of a transducer [m]; the pitch if that is less
+# The discs of transducers have this diameter, or the pitch if that is less [m].
+MAX_DISC_DIAMETER = 0.01
 OFF = "0.85"  # colour of silent transducers
 LABELS = {"phase": "phase [rad]", "amplitude": "amplitude |g| (1: full drive)"}
 
@@ -74,9 +76,9 @@ def drive(
     g = _gains(array, gains)
     i, j = across(array)
     r = array.positions[:, [i, j]]
-    low, high = r.min(axis=0) - WIDE, r.max(axis=0) + WIDE
+    low, high = r.min(axis=0) - MAX_DISC_DIAMETER, r.max(axis=0) + MAX_DISC_DIAMETER
     tall = float((high - low)[1] / (high - low)[0])
-    height = float(np.clip(BELOW + (COLUMN - BESIDE) * tall, MIN_HEIGHT, MAX_HEIGHT))
+    height = float(np.clip(BOTTOM_MARGIN + (COLUMN - SIDE_MARGIN) * tall, MIN_HEIGHT, MAX_HEIGHT))
     page, axes, _ = panels(ax, [height] * len(parts))
     for panel, part in zip(axes, parts, strict=True):
         marks = _marks(panel, array, g, part, (i, j))
@@ -112,7 +114,7 @@ def _marks(panel: Panel, array: Array, g: Complexes, part: str, axes: tuple[int,
     if array.normals[:, along].sum() < 0.0:
         order = order[::-1]
     r, g, size = array.positions[order][:, list(axes)], g[order], np.abs(g[order])
-    d = 1e3 * min(WIDE, _pitch(array.positions))
+    d = 1e3 * min(MAX_DISC_DIAMETER, _pitch(array.positions))
     discs: Any = EllipseCollection(
         [d], [d], [0.0], units="xy", offsets=1e3 * r, offset_transform=panel.transData, linewidths=0
     )
@@ -132,6 +134,6 @@ def _pitch(positions: Floats) -> float:
     from scipy.spatial import KDTree
 
     if len(positions) < 2:
-        return WIDE
+        return MAX_DISC_DIAMETER
     near = np.asarray(KDTree(positions).query(positions, 2)[0])[:, 1]
-    return float(np.median(near)) or WIDE
+    return float(np.median(near)) or MAX_DISC_DIAMETER

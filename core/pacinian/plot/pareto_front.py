@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from pacinian.plot.style import Panel
 
 REFERENCE = "reference"  # a mode, and a family
+# A fixed matrix product, which is timed to compare machines; it solves no problem.
+MATRIX_PRODUCT = "gemm"
 # Colour and marker of each family.
 STYLES = {
     "pacinian": (BLUE, "o"),
@@ -32,7 +34,8 @@ STYLES = {
     REFERENCE: ("0.4", "x"),
 }
 MIN_FRONT_SCALE = 0.9  # scale s below which a mark is pale and not on the front
-MIN_ERROR, MAX_ERROR = 1e-5, 200.0  # least error drawn [%]; end of the axis [%]
+MIN_DRAWN_ERROR = 1e-5  # least error drawn; smaller ones are drawn here [%]
+AXIS_END = 200.0  # largest error on the axis [%]
 SHOWN_MODES = ("cold", "warm", REFERENCE)
 MAX_PANELS = 4  # panels along a side
 TALL = 2.8  # [inch]
@@ -82,12 +85,14 @@ def pareto(
 
     Raises ArgumentError, RecordingError, MissingExtra.
     """
-    cells = shown(read(results) if isinstance(results, (str, Path)) else results)
+    cells = select_drawn(read(results) if isinstance(results, (str, Path)) else results)
     level = min((c.level for c in cells), default=0.0) if level is None else level
     cells = [c for c in cells if c.level == level and N in (None, c.N) and M in (None, c.M)]
     if not any(c.mode != REFERENCE for c in cells):
-        raise ArgumentError("results", f"must hold something measured at level {level:g}, N, M")
-    sizes, counts = some(sorted({c.N for c in cells})), some(sorted({c.M for c in cells}))
+        given = " and ".join(f"{name} = {n}" for name, n in (("N", N), ("M", M)) if n is not None)
+        with_these = f" with {given}" if given else ""
+        raise ArgumentError("results", f"must have a measurement at level {level:g}{with_these}")
+    sizes, counts = thin_out(sorted({c.N for c in cells})), thin_out(sorted({c.M for c in cells}))
     if len(sizes) == len(counts) == 1:
         page, (panel,), ours = panels(ax, [TALL])
         grid = [[panel]]
@@ -127,12 +132,12 @@ def read(path: str | Path) -> list[Timed]:
     return cells
 
 
-def shown(cells: Iterable[Timed]) -> list[Timed]:
-    """Return the cells to draw: those measured, without solvers whose error is above 100 %."""
+def select_drawn(cells: Iterable[Timed]) -> list[Timed]:
+    """Return the cells to draw: those that were measured, without solvers whose error is above 100 %."""
     return [
         c
         for c in cells
-        if c.mode in SHOWN_MODES and c.solver != "gemm" and not c.note and c.p50 > 0.0
+        if c.mode in SHOWN_MODES and c.solver != MATRIX_PRODUCT and not c.note and c.p50 > 0.0
         if c.mode == REFERENCE or c.error <= 1.0
     ]
 
@@ -142,13 +147,13 @@ def style(family: str) -> tuple[str, str]:
     return STYLES.get(family, STYLES[REFERENCE])
 
 
-def plainly(value: float, place: int) -> str:
+def format_tick(value: float, place: int) -> str:
     """Format a tick label without powers of ten."""
     return f"{value:g}"
 
 
-def some(values: list[int]) -> list[int]:
-    """Select at most `MAX_PANELS` of them, including the first and the last."""
+def thin_out(values: list[int]) -> list[int]:
+    """Select at most `MAX_PANELS` of the values, evenly spread, including the first and the last."""
     if len(values) <= MAX_PANELS:
         return values
     return [values[round(k * (len(values) - 1) / (MAX_PANELS - 1))] for k in range(MAX_PANELS)]
@@ -161,17 +166,17 @@ def _axes(
     for row, count in zip(grid, counts, strict=True):
         row[0].set_ylabel("error of the proportions [%]")
         for panel, size in zip(row, sizes, strict=True):
-            panel.set(xscale="log", yscale="log", ylim=(0.4 * MIN_ERROR, MAX_ERROR))
+            panel.set(xscale="log", yscale="log", ylim=(0.4 * MIN_DRAWN_ERROR, AXIS_END))
             panel.set_xlim(0.6 * min(times), 8.0 * max(times))
             panel.set_title(f"N = {size} transducers, M = {count} points", fontsize=9)
             for axis in (panel.xaxis, panel.yaxis):
-                axis.set_major_formatter(plainly)
+                axis.set_major_formatter(format_tick)
     for panel in grid[-1]:
         panel.set_xlabel("run time, p50 [ms]")
 
 
 def _draw(panel: Panel, cells: list[Timed]) -> None:
-    at = {(c.solver, c.mode): (1e3 * c.p50, max(100.0 * c.error, MIN_ERROR)) for c in cells}
+    at = {(c.solver, c.mode): (1e3 * c.p50, max(100.0 * c.error, MIN_DRAWN_ERROR)) for c in cells}
     texts: list[Text] = []
     for c in cells:
         x, y = at[c.solver, c.mode]
@@ -179,7 +184,7 @@ def _draw(panel: Panel, cells: list[Timed]) -> None:
         alpha = 0.4 if c.scale < MIN_FRONT_SCALE else 1.0
         if c.mode == REFERENCE:
             panel.axvline(x, color=colour, linestyle=":", linewidth=1)
-            panel.text(x, 0.6 * MIN_ERROR, f" {c.solver}", color=colour, fontsize=SMALL)
+            panel.text(x, 0.6 * MIN_DRAWN_ERROR, f" {c.solver}", color=colour, fontsize=SMALL)
         elif c.mode == "warm":
             panel.plot(x, y, marker, color=colour, ms=4, mfc="none", mew=0.8, alpha=alpha)
             if cold := at.get((c.solver, "cold")):
@@ -192,7 +197,7 @@ def _draw(panel: Panel, cells: list[Timed]) -> None:
         [at[c.solver, "cold"] for c in cells if c.mode == "cold" and c.scale >= MIN_FRONT_SCALE]
     )
     if front:
-        front = [(front[0][0], MAX_ERROR), *front, (panel.get_xlim()[1], front[-1][1])]
+        front = [(front[0][0], AXIS_END), *front, (panel.get_xlim()[1], front[-1][1])]
         panel.step(*zip(*front, strict=True), where="post", color="0.87", linewidth=3, zorder=0)
     panel.grid(color="0.94", linewidth=0.5)
     label(panel, texts, [at[c.solver, c.mode] for c in cells if c.mode == "warm"])

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, overload
 from pacinian.errors import ArgumentError
 from pacinian.plot.labels import label
 from pacinian.plot.page import panels
-from pacinian.plot.pareto_front import plainly
+from pacinian.plot.pareto_front import format_tick
 from pacinian.plot.style import CURVES, LINE, MARKS, SMALL, dress
 from pacinian.plugins.registry import discover_plugins, solver
 from pacinian.session import Session
@@ -104,8 +104,8 @@ def convergence(
             texts.append((name, float(x[-1]), y[-1], colour))
             others += zip(map(float, x[:-1]), y[:-1], strict=True)
     panel.set_xlim(0.8, NAME_WIDTH * max((x for _, x, _, _ in texts), default=10.0))
-    panel.xaxis.set_major_formatter(plainly)
-    panel.yaxis.set_major_formatter(plainly)
+    panel.xaxis.set_major_formatter(format_tick)
+    panel.yaxis.set_major_formatter(format_tick)
     panel.grid(color="0.94", linewidth=0.5)
     if ours:
         dress(page)

@@ -24,17 +24,17 @@ SHORT_SHARE = 0.5
 MIN_FITTING, MAX_FITTING = 256, 4096
 # Number of short solves that one long solve cancels. It does not cancel all of them, because another program may have
 # caused the long solve.
-PENALTY = 8
+SHORT_SOLVES_PER_LONG = 8
 # Duration of a background solve above which the sample budget is reduced [s]; one period, if that is longer.
 GOOD_SOLVE_TIME = 0.004
-# Longest expected duration of a background solve: the larger of MAX_SOLVE_TIME [s] and MIN_MAX_TICKS [ticks].
+# Longest expected duration of a background solve [s]; LEAST_MAX_TICKS, if those take longer.
 MAX_SOLVE_TIME = 0.012
-MIN_MAX_TICKS = 3
+LEAST_MAX_TICKS = 3  # least value of `max_ticks`, which counts when ticks are long
 # Shortest time from the beginning of a solve in the background to that of the next [s].
 MIN_SOLVE_INTERVAL = 0.008
-# Time after which a solve begins even if the scene has not changed; also the longest time over which a change is
-# spread [s].
+# Time after which a solve begins even if the scene has not changed [s].
 MAX_SOLVE_INTERVAL = 0.012
+MAX_SPREAD_TIME = 0.012  # longest time over which a change is spread [s]
 # Time after which a solve begins although the scene is at rest [s]. A scene is at rest if the last solve has changed
 # nothing, and nothing in the scene moves by itself.
 REST_INTERVAL = 0.05
@@ -51,15 +51,15 @@ class BackgroundSchedule:
 
     It counts ticks that were long, and solves in the background that would have fitted into a tick.
 
-    period: period of the ticks [s]. in_background: whether solves run there. ticks: expected duration of the next solve
-    [ticks]. interval: expected time from one solution to the next [ticks]. Both are medians of recent solves.
-    rests: whether the last solve has changed nothing, and nothing in the scene moves by itself.
+    period: period of the ticks [s]. in_background: whether solves run there. expected_ticks: expected duration of the
+    next solve [ticks]. expected_interval: expected time from one solution to the next [ticks]. Both are medians of
+    recent solves. rests: whether the last solve has changed nothing, and nothing in the scene moves by itself.
     """
 
     period: float
     in_background: bool = False
-    ticks: int = 1
-    interval: int = 1
+    expected_ticks: int = 1
+    expected_interval: int = 1
     rests: bool = False
     _long: deque[bool] = field(default_factory=lambda: deque(maxlen=TICKS_SEEN), init=False)
     _seconds: deque[float] = field(default_factory=lambda: deque(maxlen=SOLVES_SEEN), init=False)
@@ -75,16 +75,16 @@ class BackgroundSchedule:
     @property
     def max_ticks(self) -> int:
         """Largest number of ticks that a solve in the background is expected to take."""
-        return max(MIN_MAX_TICKS, self._count_ticks(MAX_SOLVE_TIME))
+        return max(LEAST_MAX_TICKS, self._count_ticks(MAX_SOLVE_TIME))
 
     @property
     def lead(self) -> float:
         """Time from the beginning of the next solve in the background until frames reach its result [s].
 
-        The loop will probably take the result after `ticks`. From then on, it interpolates frames, which reach the
-        result after a further `interval`, when the loop takes the next result.
+        The loop will probably take the result after `expected_ticks`. From then on, it interpolates frames, which
+        reach the result after a further `expected_interval`, when the loop takes the next result.
         """
-        return min((self.ticks + self.interval) * self.period, MAX_LEAD)
+        return min((self.expected_ticks + self.expected_interval) * self.period, MAX_LEAD)
 
     def _count_ticks(self, seconds: float) -> int:
         """Return the number of ticks in a time [s], at least 1."""
@@ -92,7 +92,11 @@ class BackgroundSchedule:
 
     def find_spread(self, ends: bool) -> int:
         """Return the number of ticks over which to spread a change. ends: whether silence follows."""
-        return min(self.interval, self._count_ticks(END_SPREAD)) if ends else self.interval
+        return (
+            min(self.expected_interval, self._count_ticks(END_SPREAD))
+            if ends
+            else self.expected_interval
+        )
 
     def pass_ticks(self, count: int) -> None:
         """Count ticks, including those that the loop left out because it rested."""
@@ -107,12 +111,12 @@ class BackgroundSchedule:
         A new scene begins a solve at once if scenes come at intervals of at least MIN_SOLVE_INTERVAL, as from trackers
         and games. Between two scenes, objects and hands keep their velocities.
         """
-        least, most = self._count_ticks(MIN_SOLVE_INTERVAL), self._count_ticks(MAX_SOLVE_INTERVAL)
-        unchanged = self._count_ticks(REST_INTERVAL) if self.rests else most
+        least = self._count_ticks(MIN_SOLVE_INTERVAL)
+        unchanged = self._count_ticks(REST_INTERVAL if self.rests else MAX_SOLVE_INTERVAL)
         if self._since < (unchanged if not changed else 1 if urgent else least):
             return False
-        self._intervals.append(min(self._since, most))
-        self.interval, self._since = math.ceil(median(self._intervals)), 0
+        self._intervals.append(min(self._since, self._count_ticks(MAX_SPREAD_TIME)))
+        self.expected_interval, self._since = math.ceil(median(self._intervals)), 0
         return True
 
     def may_rest(self, seconds: float) -> bool:
@@ -134,10 +138,12 @@ class BackgroundSchedule:
         """Take account of a background solve that took `seconds` [s]. whole: whether no sample was dropped."""
         fits = whole and seconds < SHORT_SHARE * self.period
         self._seconds.append(seconds)
-        self.ticks = min(max(1, math.ceil(median(self._seconds) / self.period)), self.max_ticks)
-        self._fits = self._fits + 1 if fits else max(0, self._fits - PENALTY)
+        self.expected_ticks = min(
+            max(1, math.ceil(median(self._seconds) / self.period)), self.max_ticks
+        )
+        self._fits = self._fits + 1 if fits else max(0, self._fits - SHORT_SOLVES_PER_LONG)
         if self._fits >= self._wait:
-            self.in_background, self.ticks, self.interval = False, 1, 1
+            self.in_background, self.expected_ticks, self.expected_interval = False, 1, 1
             self._seconds.clear()
             self._intervals.clear()
             self._fits, self._wait = 0, min(2 * self._wait, MAX_FITTING)

@@ -30,16 +30,16 @@ class CachedSolution:
 
     gains: at full envelope, (N,). groups: the samples' groups by envelope; None if the gains contain the envelopes.
     contributions: of each group, (groups + 1, N), if there is more than one. solution: with its evidence. samples:
-    those solved for. steady: whether it is valid unchanged until another solve. final: whether solving again would not
-    help, because the solver had enough time. failed_improvements: number of successive solves that were not better.
-    averaged: whether envelopes that vary were replaced by their means. whole: all samples, including those that were
-    left out because no sound can reach them, or because another frame of the cycle renders them. weakened, missed:
-    indices into `whole`: of the samples that little sound reaches, and of those that get clearly less than their
-    target. limited: whether it is scaled down, because the pressure on skin would exceed its limit. limited_in_zones:
-    whether it is scaled down, because quiet zones would be too loud after rounding. evaluated: whether
-    the pressure on skin was compared with its limit, if there is a limit. retry: time from which to solve again if it
-    is not final [s]. awaits_rest: whether to solve without a deadline, which comes nearer to the targets, once the
-    samples have been at rest for a while.
+    those solved for. steady: whether the gains need no change while the samples stay. final: whether solving again
+    would not help, because the solver had enough time. failed_improvements: number of successive solves that were not
+    better. averaged: whether envelopes that vary were replaced by their means. all_samples: all of them, including
+    those that were left out because no sound can reach them, or because another frame of the cycle renders them.
+    weakened, missed: indices into `all_samples`: of the samples that little sound reaches, and of those that get
+    clearly less than their target. limited: whether it is scaled down, because the pressure on skin would exceed its
+    limit. limited_in_zones: whether it is scaled down, because quiet zones would be too loud after rounding. evaluated:
+    whether the pressure on skin was compared with its limit, if there is a limit. retry: time from which to solve again
+    if it is not final [s]. awaits_rest: whether to solve without a deadline, which comes nearer to the targets, once
+    the samples have been at rest for a while.
     """
 
     gains: Gains
@@ -51,7 +51,7 @@ class CachedSolution:
     final: bool
     failed_improvements: int = 0
     averaged: bool = False
-    whole: Samples | None = None
+    all_samples: Samples | None = None
     weakened: tuple[int, ...] = ()
     missed: tuple[int, ...] = ()
     limited: bool = False

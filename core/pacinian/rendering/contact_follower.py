@@ -11,7 +11,7 @@ import numpy as np
 from pacinian.rendering.field_steering import (
     MAX_JUMP,
     MAX_VELOCITY_INTERVAL,
-    MIN_DISTANCE,
+    MIN_STEERED_DISTANCE,
     MIN_VELOCITY_INTERVAL,
     Motion,
     choose_slower,
@@ -23,7 +23,8 @@ if TYPE_CHECKING:
     from pacinian.scene.sampling.samples import Samples
     from pacinian.types import Floats
 
-MAX_SPREAD = 1e-3  # contacts move as one if their shifts differ by at most this [m]
+# Contacts move as one if their shifts differ by at most this [m].
+MAX_CONTACT_SHIFT_DIFFERENCE = 1e-3
 
 
 class ContactFollower:
@@ -39,17 +40,18 @@ class ContactFollower:
 
     def reset(self) -> None:
         """Forget all contacts."""
-        self._solutions: SolutionSequence | None = None  # the last solutions
-        self._moved: SolutionSequence | None = None  # the last solutions, with their motion
+        self._solutions: SolutionSequence | None = None  # as last given to `follow`
+        self._moved: SolutionSequence | None = None  # as last returned by it
         self._places: dict[int, Floats] = {}  # centre of each of their contacts [m]
         self._time = -math.inf  # time of the last solutions [s]
         self._velocity = np.zeros(3)  # velocity of the last step [m/s]
 
     def follow(self, solutions: SolutionSequence, t: float) -> SolutionSequence:
         """Return the solutions with the motion of their samples, whose positions are those at time t [s]."""
+        # The same solutions again: the contact rests.
         if solutions is self._solutions and self._moved is not None:
             motion = self._moved.motion
-            if motion is not None and motion.velocity.any():  # the contact has come to rest
+            if motion is not None and motion.velocity.any():
                 motion = motion._replace(velocity=np.zeros(3))
                 self._moved, self._velocity = replace(self._moved, motion=motion), np.zeros(3)
             return self._moved
@@ -59,9 +61,10 @@ class ContactFollower:
         steps = [place - before[n] for n, place in places.items() if n in before]
         continues = (
             len(steps) == len(places) == len(before)
-            and float(np.ptp(steps, axis=0).max()) <= MAX_SPREAD
+            and float(np.ptp(steps, axis=0).max()) <= MAX_CONTACT_SHIFT_DIFFERENCE
             and float(np.linalg.norm(steps, axis=1).max()) <= MAX_JUMP
-            and float(np.linalg.norm(self._transducers - centre, axis=1).min()) >= MIN_DISTANCE
+            and float(np.linalg.norm(self._transducers - centre, axis=1).min())
+            >= MIN_STEERED_DISTANCE
         )
         velocity, seconds = np.zeros(3), t - self._time
         if continues and MIN_VELOCITY_INTERVAL <= seconds <= MAX_VELOCITY_INTERVAL:

@@ -78,7 +78,9 @@ class Probe:
         if not len(places) or places.capsules is None:
             return found
         facing = SkinFacing(places.normals, places.capsules)
-        P = places.radiation_pressure * self._reach.share(places.positions, facing, Counter())
+        P = places.radiation_pressure * self._reach.weigh_targets(
+            places.positions, facing, Counter()
+        )
         p, t = self._hear(gains), sound_pressure(P, self._propagator.medium)
         which, number = np.unique(places.objects, return_inverse=True)
         beside = places.regions == BESIDE

@@ -25,9 +25,9 @@ if TYPE_CHECKING:
     from pacinian.scene.sampling.samples import Samples
     from pacinian.types import Floats, Gains
 
-MAX_DISTORTION = 2e-4  # samples move as one if their shifts differ by at most this [m]
+MAX_SAMPLE_SHIFT_DIFFERENCE = 2e-4  # samples move as one if their shifts differ by at most this [m]
 # Smallest distance from the centre of the samples to the nearest transducer at which a field is steered [m].
-MIN_DISTANCE = 0.05
+MIN_STEERED_DISTANCE = 0.05
 # Largest displacement from place to place that counts as a movement, not as a jump [m].
 MAX_JUMP = 0.02
 # Samples stand if they have stayed within MAX_TREMBLE [m] of one place for at least MIN_STANDSTILL [s].
@@ -99,7 +99,7 @@ class SampleMotion:
     @property
     def close(self) -> bool:
         """Whether the samples are so close to the array that their field cannot be steered."""
-        return not self._distance >= MIN_DISTANCE
+        return not self._distance >= MIN_STEERED_DISTANCE
 
     @property
     def stands(self) -> bool:
@@ -140,12 +140,12 @@ class SampleMotion:
         centre: of `solved`, (3,) [m]. most: largest shift sideways, over the distance from the nearest transducer. A
         shift towards the array or away from it may be half as large.
         """
-        shift = samples.find_shift(solved, MAX_DISTORTION)
+        shift = samples.find_shift(solved, MAX_SAMPLE_SHIFT_DIFFERENCE)
         if shift is None:
             return None
         # towards the array or away from it, a field is distorted twice as much
         away = self._place - self._centre
-        away /= max(float(np.linalg.norm(away)), MIN_DISTANCE)
+        away /= max(float(np.linalg.norm(away)), MIN_STEERED_DISTANCE)
         if not float(np.linalg.norm(shift + (shift @ away) * away)) <= most * self._distance:
             return None
         return Motion(centre, shift, self._velocity, self._time)

@@ -25,7 +25,7 @@ from pacinian.rendering.measurement_schedule import Measurement
 from pacinian.rendering.new_hand_check import NewHandCheck
 from pacinian.rendering.playback import Playback
 from pacinian.rendering.row_times import compute_row_times
-from pacinian.rendering.sample_budget_controller import MAX_LOAD, SampleBudgetController
+from pacinian.rendering.sample_budget_controller import SHRINK_LOAD, SampleBudgetController
 from pacinian.rendering.sample_solver import SampleSolver
 from pacinian.rendering.scene_solver import SceneSolver
 from pacinian.rendering.scene_warnings import add_warnings, find_warnings
@@ -475,7 +475,7 @@ class Pipeline:
         if self.budget_controller is None or taken is None:
             return
         if not math.isnan(taken.seconds):
-            seconds = MAX_LOAD * taken.seconds * self.period / max(GOOD_SOLVE_TIME, self.period)
+            seconds = SHRINK_LOAD * taken.seconds * self.period / max(GOOD_SOLVE_TIME, self.period)
         elif not taken.solutions.one_tick_only:
             if taken.tells_time:
                 self.schedule.note_tick(seconds)
@@ -485,4 +485,6 @@ class Pipeline:
         if any((one.samples.regions >= 0).any() for one in taken.fresh):
             return  # a region of fewer samples would have holes
         samples = max((len(one.samples) for one in taken.fresh), default=0)
-        self._allowed = self.budget_controller.adapt(seconds, samples, self.schedule.interval)
+        self._allowed = self.budget_controller.adapt(
+            seconds, samples, self.schedule.expected_interval
+        )

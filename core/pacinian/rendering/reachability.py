@@ -76,15 +76,18 @@ class ReachabilityFilter:
                 ).min() < SAMPLE_TOUCHING_DISTANCE**2  # where no hand can be
         return far, on
 
-    def share(self, q: Floats, facing: SkinFacing, skipped: Counter[str]) -> Floats:
-        """Return the factor on each sample's target, given how well the array sees the skin there, (M,)."""
+    def weigh_targets(self, q: Floats, facing: SkinFacing, skipped: Counter[str]) -> Floats:
+        """Set the propagator's points to q, (M, 3) [m], and return the factor on the target of each sample there, (M,).
+
+        The factor says how well the array sees the skin. skipped: counts the samples that it weakens clearly.
+        """
         self._propagator.set_points(q, facing)
         seen = self._propagator.powers / self._free(q)
         if seen.min() >= FULL_PRESSURE_COS2:
             return np.ones(len(q))
-        share = weigh_incidence(seen)
-        skipped[SAMPLES_HARDLY_REACHED] += int((share < WEAKENED_BELOW).sum())
-        return share
+        factors = weigh_incidence(seen)
+        skipped[SAMPLES_HARDLY_REACHED] += int((factors < WEAKENED_BELOW).sum())
+        return factors
 
     def _free(self, q: Floats) -> Floats:
         """Return the power of the sound at points q, (M, 3) [m], without facing and occlusion, (M,) [Pa^2]."""

@@ -349,7 +349,7 @@ class SampleSolver:
 
         joint: whether P already contains the groups' strengths. again: whether there is a solution for these samples.
         """
-        several, whole = self.cycle.count > 1, samples
+        several, all_samples = self.cycle.count > 1, samples
         q = samples.positions
         sounded = (P > 0.0) | (samples.regions == BESIDE)
         sounded &= frame.reach.find_reachable(q, self.skipped)
@@ -365,7 +365,7 @@ class SampleSolver:
         kept, asked = np.flatnonzero(sounded), samples.regions != BESIDE
         if samples.capsules is not None and len(q):
             facing = SkinFacing.of(samples.normals, samples.capsules)
-            share = frame.reach.share(q, facing, self.skipped)
+            share = frame.reach.weigh_targets(q, facing, self.skipped)
             weakened = kept[(share < WEAKENED_BELOW) & asked]
             P = P * share
         others = self.cycle.sum_others(frame, sounded, P, facing) if several else np.zeros(len(q))
@@ -389,7 +389,7 @@ class SampleSolver:
         sounding, averaged = None if joint else groups, joint and not groups.steady
         made = CachedSolution(
             solution.gains, sounding, parts, solution, samples, False, True, 0, averaged,
-            whole, tuple(weakened.tolist()), tuple(missed.tolist()),
+            all_samples, tuple(weakened.tolist()), tuple(missed.tolist()),
         )  # fmt: skip
         final = not (made.ran_out_of_time or session.unsettled)
         made = replace(made, steady=groups.steady and final, final=final)

@@ -31,8 +31,11 @@ if TYPE_CHECKING:
     from pacinian.solving.limits import Limits
 
 MAX_OBJECTS = 1000  # largest number of objects that are checked
-PLACES = 8  # number of places of a path, or of particles, at which a focus is computed
-FAR = 5.0  # distance from the array from which a warning says that positions are in metres [m]
+# Largest number of places of a path, or of particles, at which a focus is computed.
+MAX_FOCUS_PLACES = 8
+# Distance from the array beyond which positions are probably not in metres [m]. Farther objects probably have positions
+# in another unit; the warning then names the unit.
+PROBABLY_NOT_METRES = 5.0
 MAX_NAMED = 3  # largest number of objects named in one warning
 
 
@@ -69,10 +72,14 @@ def find_warnings(
         elif not item.focal:
             most = _focus(item, session, gain)
             far = float(np.linalg.norm(np.asarray(item.pose.position) - session.array.centre))
-            if most == 0.0 and far <= FAR:
+            if most == 0.0 and far <= PROBABLY_NOT_METRES:
                 mute.append(label)
             elif most < item.pressure:
-                unit = f"; it is {far:.3g} m away, and positions are in metres" if far > FAR else ""
+                unit = (
+                    f"; it is {far:.3g} m away, and positions are in metres"
+                    if far > PROBABLY_NOT_METRES
+                    else ""
+                )
                 weak.append(
                     f"{label} ({item.pressure:.3g} Pa, where the array produces at most {most:.2g} Pa{unit})"
                 )
@@ -141,9 +148,9 @@ def _focus(item: Object, session: Session, gain: float) -> float:
     if isinstance(item, Particles):
         if not item.positions:
             return np.inf
-        places = np.array(item.positions[:: -(-len(item.positions) // PLACES)])
+        places = np.array(item.positions[:: -(-len(item.positions) // MAX_FOCUS_PLACES)])
     elif isinstance(item, Path):
-        places = item.shape.sample_surface(item.shape.length / PLACES).points
+        places = item.shape.sample_surface(item.shape.length / MAX_FOCUS_PLACES).points
     try:
         rows = matrix(session.array, item.pose.points(places), session.medium)
     except PointOnTransducer:

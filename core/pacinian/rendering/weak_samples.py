@@ -108,8 +108,8 @@ def _find_weakened(short: Iterable[CachedSolution]) -> Iterator[_Loss]:
     """
     found: dict[int, tuple[Samples, set[int]]] = {}
     for one in short:
-        if one.whole is not None:
-            found.setdefault(id(one.whole), (one.whole, set()))[1].update(one.weakened)
+        if one.all_samples is not None:
+            found.setdefault(id(one.all_samples), (one.all_samples, set()))[1].update(one.weakened)
     for samples, indices in found.values():
         rows = np.array(sorted(indices), np.intp)
         lost = samples.radiation_pressure[rows] * samples.area[rows]
@@ -122,11 +122,13 @@ def _find_missed(solutions: SolutionSequence, short: Iterable[CachedSolution]) -
     In a cycle, a frame that was solved later may have made up for what an earlier one missed.
     """
     for one in short:
-        if one.whole is None or (solutions.cycle and one.whole is solutions.solved_samples):
+        if one.all_samples is None or (
+            solutions.cycle and one.all_samples is solutions.solved_samples
+        ):
             continue
         share = 1.0 / solutions.frames  # for frames of earlier samples
         asked, made = one.pressures
-        yield _compare(one.whole, one.missed, one.samples, share * asked, share * made)
+        yield _compare(one.all_samples, one.missed, one.samples, share * asked, share * made)
     if solutions.cycle and solutions.missed:
         yield _compare(solutions.solved_samples, solutions.missed, *_find_mean_pressures(solutions))
 
@@ -173,18 +175,21 @@ def _find_mean_pressures(solutions: SolutionSequence) -> tuple[Samples, Floats, 
 
 
 def _compare(
-    whole: Samples, missed: tuple[int, ...], solved: Samples, asked: Floats, made: Floats
+    all_samples: Samples, missed: tuple[int, ...], solved: Samples, asked: Floats, made: Floats
 ) -> _Loss:
-    """Return what is lost at the samples `missed` of `whole`.
+    """Return what is lost at the samples `missed` of `all_samples`.
 
-    solved: those of `whole` that were solved for, with the pressures asked for and made, (M',) [Pa].
+    solved: those of `all_samples` that were solved for, with the pressures asked for and made, (M',) [Pa].
     """
     rows = np.array(missed, np.intp)
-    lost, alone = whole.radiation_pressure[rows] * whole.area[rows], np.ones(len(rows), np.bool_)
-    if len(solved) == len(whole):  # in the same order
+    lost, alone = (
+        all_samples.radiation_pressure[rows] * all_samples.area[rows],
+        np.ones(len(rows), np.bool_),
+    )
+    if len(solved) == len(all_samples):  # in the same order
         i, j = np.arange(len(rows)), rows
     else:
-        _, i, j = np.intersect1d(whole.keys[rows], solved.keys, return_indices=True)
+        _, i, j = np.intersect1d(all_samples.keys[rows], solved.keys, return_indices=True)
     lost[i] = np.maximum(asked[j] - made[j], 0.0) * solved.area[j]
     alone[i] = (solved.regions[j] == ISOLATED) | (made[j] < MIN_FELT_SHARE * asked[j])
-    return _Loss(whole, rows, lost, alone)
+    return _Loss(all_samples, rows, lost, alone)

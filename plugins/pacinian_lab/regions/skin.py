@@ -49,7 +49,7 @@ def measure_felt(
         return None
     session = Session(array, medium)
     q, facing = samples.positions, SkinFacing(samples.normals, samples.capsules)
-    asked = samples.radiation_pressure * ReachabilityFilter(session.propagator).share(
+    asked = samples.radiation_pressure * ReachabilityFilter(session.propagator).weigh_targets(
         q, facing, Counter()
     )
     if not asked.any():

@@ -6,7 +6,13 @@ from typing import TYPE_CHECKING
 
 from pacinian.plot import figure, pareto, save
 from pacinian.plot.labels import label_column
-from pacinian.plot.pareto_front import MIN_ERROR, MIN_FRONT_SCALE, plainly, shown, style
+from pacinian.plot.pareto_front import (
+    MIN_DRAWN_ERROR,
+    MIN_FRONT_SCALE,
+    format_tick,
+    select_drawn,
+    style,
+)
 from pacinian_lab.solvers.run import REFERENCE
 from pacinian_lab.solvers.summary import growth
 
@@ -25,12 +31,12 @@ def draw(cells: Sequence[Cell], folder: Path) -> list[Path]:
     Leaves out failed cells, and cells with an error above 100 %.
     """
     pages: dict[str, Figure] = {}
-    for level in sorted({c.level for c in shown(cells) if c.mode != REFERENCE}):
+    for level in sorted({c.level for c in select_drawn(cells) if c.mode != REFERENCE}):
         pages[f"pareto-{level:g}.png"] = draw_typical(cells, level)
         title = (
             f"Run time from points to gains against error, at level {level:g}. "
             f"Filled: cold; hollow: warm. x: scale, if not 1; pale: under {MIN_FRONT_SCALE:g}. "
-            f"Errors under {MIN_ERROR:g} % are drawn at that value."
+            f"Errors under {MIN_DRAWN_ERROR:g} % are drawn at that value."
         )
         pages[f"pareto-{level:g}-all.png"] = pareto(cells, level=level, title=title)
     if lines := growth(cells):
@@ -42,7 +48,7 @@ def draw(cells: Sequence[Cell], folder: Path) -> list[Path]:
 
 def draw_typical(cells: Sequence[Cell], level: float) -> Figure:
     """Draw run time against error on the largest array, for the middle number of points. Raises MissingExtra."""
-    found = [c for c in shown(cells) if c.level == level and c.mode != REFERENCE]
+    found = [c for c in select_drawn(cells) if c.level == level and c.mode != REFERENCE]
     N = max(c.N for c in found)
     counts = sorted({c.M for c in found if c.N == N})
     page = figure(8.0, 4.6)
@@ -67,7 +73,7 @@ def grow(lines: Sequence[Growth]) -> Figure:
         panel.set_xlim(0.8 * sizes[0], sizes[-1] * (sizes[-1] / sizes[0]) ** 0.55)
         panel.set_xticks(sizes, [str(size) for size in sizes])
         panel.set_xticks([], minor=True)
-        panel.yaxis.set_major_formatter(plainly)
+        panel.yaxis.set_major_formatter(format_tick)
         other, what = ("M", "transducers N") if along == "N" else ("N", "points M")
         panel.set_xlabel(what)
         panel.set_title(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pacinian.plot.page import figure, save
-from pacinian.plot.pareto_front import plainly
+from pacinian.plot.pareto_front import format_tick
 from pacinian.plot.style import CURVES, MARKS, SMALL, Panel
 from pacinian_lab.study.images import LAYOUTS, PLANES, SMALL_FONT
 from pacinian_lab.study.measures import MEASURES
@@ -169,7 +169,7 @@ def _axis(panel: Panel, which: str, measure: str) -> None:
     if 0.0 < low <= high < 300.0 * low:
         parts = (1.0, 2.0, 5.0) if high > 3.0 * low else range(1, 10)
         axis.set_major_locator(LogLocator(subs=parts))
-        axis.set_major_formatter(plainly)
+        axis.set_major_formatter(format_tick)
     axis.set_minor_formatter(NullFormatter())
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import pacinian as pc
-from pacinian.acoustics.directivity import SEGMENTS
+from pacinian.acoustics.directivity import T4010A1_CUBICS
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -82,7 +82,7 @@ def exact_pressure(array: pc.Array, q: Any, air: pc.Air, g: Any) -> Any:
             theta = mpmath.degrees(mpmath.acos(cosine))
             segment = int(mpmath.ceil(theta / 10)) - 1
             x = theta - 10 * segment
-            D = sum(mpmath.mpf(float(c)) * x**i for i, c in enumerate(SEGMENTS[segment]))
+            D = sum(mpmath.mpf(float(c)) * x**i for i, c in enumerate(T4010A1_CUBICS[segment]))
         loss = mpmath.exp(-mpmath.mpf(air.beta(kind.frequency)) * distance)
         B = mpmath.mpf(kind.pressure) * D * distance ** -mpmath.mpf(air.exponent) * loss
         wave = mpmath.exp(-1j * k * distance)

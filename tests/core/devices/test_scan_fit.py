@@ -13,7 +13,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import pacinian as pc
-from pacinian.acoustics.directivity import SEGMENTS
+from pacinian.acoustics.directivity import T4010A1_CUBICS
 from pacinian.devices.scan import decode_drives
 from pacinian.devices.scan_fit import fit_scan
 
@@ -31,7 +31,7 @@ def simulate(array: pc.Array, q: Any, c: float = C, loss: float = 1.32) -> Any:
     r = np.linalg.norm(d, axis=2)
     theta = np.degrees(np.arccos(np.clip((d * array.normals).sum(axis=2) / r, -1.0, 1.0)))
     D = np.zeros_like(theta)
-    for i, cubic in enumerate(SEGMENTS):
+    for i, cubic in enumerate(T4010A1_CUBICS):
         part = (theta > 10.0 * i) & (theta <= 10.0 * i + 10.0)
         D[part] = np.polyval(cubic[::-1], theta[part] - 10.0 * i)
     D[theta >= 90.0] = 0.0

@@ -458,7 +458,9 @@ def test_what_is_weak_in_two_frames_is_told_from_where_they_were_solved_for() ->
             played = renderer.played
             if played.motion is not None and played.motion.shift.any():
                 assert played.solved_samples is not played.samples
-                if played.cycle and all(one.whole is played.solved_samples for one in played.rows):
+                if played.cycle and all(
+                    one.all_samples is played.solved_samples for one in played.rows
+                ):
                     there = dataclasses.replace(
                         played, samples=played.solved_samples, before_motion=None
                     )

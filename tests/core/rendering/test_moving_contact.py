@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 import pacinian as pc
 from pacinian.rendering.background_schedule import BackgroundSchedule
-from pacinian.rendering.contact_follower import MAX_SPREAD, ContactFollower
+from pacinian.rendering.contact_follower import MAX_CONTACT_SHIFT_DIFFERENCE, ContactFollower
 from pacinian.rendering.field_steering import MAX_JUMP
 from pacinian.rendering.solution_sequence import SolutionSequence
 from pacinian.solving.limits import Limits
@@ -179,7 +179,7 @@ def test_a_field_moves_with_contacts_only_if_all_move_alike(one: Any, other: Any
     assert not together.motion.velocity.any()  # one step may be a jump
     apart = follower.follow(contacts(HERE + 2.0 * one, THERE + one + other), 0.02)
     assert apart.motion is not None
-    assert apart.motion.continues is bool(np.abs(one - other).max() <= MAX_SPREAD)
+    assert apart.motion.continues is bool(np.abs(one - other).max() <= MAX_CONTACT_SHIFT_DIFFERENCE)
 
 
 def test_steady_contacts_have_a_velocity_and_a_turn_has_none() -> None:

@@ -173,7 +173,7 @@ def weaken(
 ) -> tuple[SolveResult, dict[str, list[float]]]:
     """Return the result as if each sample got this share of its target, (M,). Also the shares by object."""
     (one,) = result.solutions.rows
-    assert one.samples is one.whole
+    assert one.samples is one.all_samples
     p = one.solution.targets.amplitudes * np.sqrt(share)
     solution = pc.Solution(**{**vars(one.solution), "sound_pressure": p.astype(np.complex128)})
     missed = tuple(np.flatnonzero(share < MISSED_BELOW).tolist())

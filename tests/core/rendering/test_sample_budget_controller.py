@@ -8,20 +8,20 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pacinian.rendering.sample_budget_controller import (
-    FAR_TOO_LATE_RATIO,
-    MAX_LOAD,
-    MAX_LONG_TICKS,
-    MAX_WAIT,
+    FAR_TOO_LONG,
+    GROW_LOAD,
+    MAX_WAIT_TICKS,
     MIN_BUDGET,
-    MIN_LOAD,
-    MIN_WAIT,
+    MIN_LONG_TICKS,
+    MIN_WAIT_TICKS,
+    SHRINK_LOAD,
     SampleBudgetController,
 )
 
 bounded = settings(max_examples=60)
 PERIOD = 1e-3  # [s]
 SLOW, VERY, WELL, SHORT = (
-    share * PERIOD for share in (1.1 * MAX_LOAD, 1.1 * FAR_TOO_LATE_RATIO, 0.7, 0.5 * MIN_LOAD)
+    share * PERIOD for share in (1.1 * SHRINK_LOAD, 1.1 * FAR_TOO_LONG, 0.7, 0.5 * GROW_LOAD)
 )
 odd = st.sampled_from([-1.0, float("nan"), float("inf")])  # as from a clock that jumps
 ticks = st.lists(
@@ -52,22 +52,22 @@ def test_what_is_allowed_is_never_more_than_the_budget_nor_less_than_the_floor(
         assert (
             allowed == controller.allowed == other.adapt(seconds, samples)
         )  # depends on nothing else
-        if seconds > MIN_LOAD * PERIOD:
+        if seconds > GROW_LOAD * PERIOD:
             assert allowed <= before
 
 
 def test_a_few_long_ticks_change_nothing() -> None:
     controller = SampleBudgetController(PERIOD, 256)
     for _ in range(20):
-        told(controller, SLOW, MAX_LONG_TICKS - 1)
+        told(controller, SLOW, MIN_LONG_TICKS - 1)
         assert told(controller, WELL, 1) == [256]
         assert told(controller, 5.0 * VERY, 1) == [256]
         assert told(controller, WELL, 1) == [256]
 
 
 def test_long_ticks_in_a_row_leave_fewer_samples() -> None:
-    allowed = told(SampleBudgetController(PERIOD, 256), SLOW, MAX_LONG_TICKS)
-    assert allowed[:-1] == [256] * (MAX_LONG_TICKS - 1)
+    allowed = told(SampleBudgetController(PERIOD, 256), SLOW, MIN_LONG_TICKS)
+    assert allowed[:-1] == [256] * (MIN_LONG_TICKS - 1)
     assert allowed[-1] < 0.95 * 256
 
 
@@ -79,7 +79,7 @@ def test_ticks_that_take_several_periods_count_at_once() -> None:
 
 def test_the_longer_the_ticks_the_fewer_the_samples() -> None:
     left = [
-        told(SampleBudgetController(PERIOD, 256), k * PERIOD, MAX_LONG_TICKS)[-1]
+        told(SampleBudgetController(PERIOD, 256), k * PERIOD, MIN_LONG_TICKS)[-1]
         for k in (0.9, 1.2, 2.0)
     ]
     assert left == sorted(left, reverse=True)
@@ -118,26 +118,26 @@ def test_it_grows_slower_after_each_relapse() -> None:
             told(controller, SHORT, 1)
             wait += 1
         waits.append(wait)
-    assert waits == [min(MIN_WAIT << k, MAX_WAIT) for k in range(8)]
+    assert waits == [min(MIN_WAIT_TICKS << k, MAX_WAIT_TICKS) for k in range(8)]
 
 
 def test_after_a_while_without_relapse_it_is_as_if_there_had_been_none() -> None:
     controller = SampleBudgetController(PERIOD, 40)
     for _ in range(5):
         told(controller, VERY, 4)
-        told(controller, SHORT, MAX_WAIT)
+        told(controller, SHORT, MAX_WAIT_TICKS)
         assert controller.allowed > MIN_BUDGET
-    told(controller, SHORT, 40 * MAX_WAIT)
+    told(controller, SHORT, 40 * MAX_WAIT_TICKS)
     assert controller.allowed == 40
     told(controller, VERY, 4)
     small = controller.allowed
-    assert told(controller, SHORT, 2 * MIN_WAIT)[-1] > small
+    assert told(controller, SHORT, 2 * MIN_WAIT_TICKS)[-1] > small
 
 
 def test_one_long_spell_is_no_relapse_however_long() -> None:
     controller = SampleBudgetController(PERIOD, 256)
     told(controller, VERY, 1000)
-    assert told(controller, SHORT, MIN_WAIT) == [MIN_BUDGET] * (MIN_WAIT - 1) + [
+    assert told(controller, SHORT, MIN_WAIT_TICKS) == [MIN_BUDGET] * (MIN_WAIT_TICKS - 1) + [
         MIN_BUDGET + 1 + MIN_BUDGET // 8
     ]
 
@@ -146,6 +146,6 @@ def test_one_tick_without_time_to_spare_begins_the_wait_anew() -> None:
     controller = SampleBudgetController(PERIOD, 256)
     small = told(controller, VERY, 10)[-1]
     for _ in range(50):
-        told(controller, SHORT, MIN_WAIT - 1)
+        told(controller, SHORT, MIN_WAIT_TICKS - 1)
         told(controller, WELL, 1)
     assert controller.allowed == small

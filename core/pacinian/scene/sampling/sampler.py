@@ -53,7 +53,7 @@ from pacinian.scene.sampling.sample_sources import (
     lacks_surface,
 )
 from pacinian.scene.sampling.samples import no_samples
-from pacinian.scene.sampling.silent_samples import FINE_SURROUND, SURROUND, add_surround
+from pacinian.scene.sampling.silent_samples import FAST_SURROUND, FINE_SURROUND, add_surround
 from pacinian.scene.sampling.small_region_spacing import refine
 from pacinian.scene.sampling.spacing import (
     FINE_LEAST,
@@ -262,7 +262,7 @@ class Sampler:
             samples = spread_forces(samples, resolving, mode.max_uniform_points, mode.peak, counts)
             if mode.surround and solid and skins:
                 left = allowance.find_limit(budget, 0) - len(samples)
-                surround = FINE_SURROUND if mode.fine else SURROUND
+                surround = FINE_SURROUND if mode.fine else FAST_SURROUND
                 samples = add_surround(samples, skins, resolving, left, surround)
         return samples if len(hands) < 2 else samples.changed(capsules=capsules)
 

@@ -25,30 +25,37 @@ if TYPE_CHECKING:
     from pacinian.scene.sampling.samples import Samples
     from pacinian.types import Indices
 
-INNER = 0.25  # smallest distance from a silent sample to its region, over the resolution
+# Smallest distance from a silent sample to its region, over the resolution.
+MIN_RING_DISTANCE = 0.25
 SURROUND_SPACING = 0.22  # spacing of silent samples, over the resolution
 
 
 class Surround(NamedTuple):
     """How many silent samples there are.
 
-    outer: largest distance from a sample of the first ring to its region, over the resolution. share: maximum ratio of
-    such samples to pressing ones. max_transducers: of an array that is not elongated, for a second ring.
+    outer: largest distance from a sample of the first ring to its region, over the resolution. max_ratio: maximum ratio
+    of such samples to pressing ones. max_transducers: arrays that are not elongated have a second ring up to this
+    number of transducers.
     """
 
     outer: float
-    share: float
+    max_ratio: float
     max_transducers: int
 
 
-SURROUND = Surround(1.2, 1.0 / 3.0, 0)  # if solves must be fast
-# Otherwise. With more silent samples that lie farther away, the pressure 10 to 30 mm beside contacts is lower.
+# If solves must be fast: few silent samples, near the contacts.
+FAST_SURROUND = Surround(1.2, 1.0 / 3.0, 0)
+# If solves may take long: more silent samples, also farther away. They lower the pressure 10 to 30 mm beside contacts.
 FINE_SURROUND = Surround(2.0, 1.2, 1000)
-MAX_OF_SMALL = 48  # maximum number of samples of the first ring where the ratio allows fewer
+# The limit of the first ring is at least this, whatever the ratio allows.
+MIN_RING_LIMIT = 48
 MIN_ELONGATION = 1.4  # ratio of length to width from which foci are elongated
-# Of the second ring: its outer radius and its spacing, over the resolution, and its maximum number of samples.
-FAR, FAR_SPACING, MAX_FAR = 5.0, 0.5, 96
-MAX_FAR_SHARE = 0.5  # of all silent samples that the budget allows
+# Largest distance from a sample of the second ring to its region, and the spacing of these samples, both over the
+# resolution.
+SECOND_RING_RADIUS, SECOND_RING_SPACING = 5.0, 0.5
+MAX_SECOND_RING_SAMPLES = 96
+# Largest share of the second ring in the silent samples that the budget allows.
+MAX_SECOND_RING_SHARE = 0.5
 
 
 def add_surround(
@@ -65,31 +72,31 @@ def add_surround(
     places = [hand.centre for hand in hands]
     resolved = min(map(resolving.compute_isolated_spacing, places))
     elongation = max(map(resolving.compute_elongation, places))
-    of = np.flatnonzero((samples.regions >= 0) & (samples.radiation_pressure > 0.0))
-    near = max(MAX_OF_SMALL, int(surround.share * len(of)))
-    rings = [(SURROUND_SPACING, INNER, surround.outer, near)]
+    pressing = np.flatnonzero((samples.regions >= 0) & (samples.radiation_pressure > 0.0))
+    first_limit = max(MIN_RING_LIMIT, int(surround.max_ratio * len(pressing)))
+    rings = [(SURROUND_SPACING, MIN_RING_DISTANCE, surround.outer, first_limit)]
     if elongation >= MIN_ELONGATION or len(resolving.array) <= surround.max_transducers:
-        far = min(MAX_FAR, near, int(MAX_FAR_SHARE * most))
-        rings.insert(0, (FAR_SPACING, surround.outer, FAR, far))
-    q, every = samples.positions[of], [samples]
-    for spacing, inner, outer, limit in rings if len(of) else ():
-        left = min(most, limit)
-        most -= left
-        for hand in hands if left > 0 else ():
+        second_limit = min(MAX_SECOND_RING_SAMPLES, first_limit, int(MAX_SECOND_RING_SHARE * most))
+        rings.insert(0, (SECOND_RING_SPACING, surround.outer, SECOND_RING_RADIUS, second_limit))
+    q, every = samples.positions[pressing], [samples]
+    for spacing, inner, outer, limit in rings if len(pressing) else ():
+        remaining = min(most, limit)
+        most -= remaining
+        for hand in hands if remaining > 0 else ():
             nodes, nearest = hand.around(
                 q,
                 spacing * resolved,
                 inner * resolved,
                 outer * resolved,
                 resolving.centre,
-                left,
+                remaining,
             )
             if len(nodes):
                 every.append(
-                    _silent(samples, of[nearest], hand, nodes, SURROUND_SPACING * resolved)
+                    _silent(samples, pressing[nearest], hand, nodes, SURROUND_SPACING * resolved)
                 )
-                left -= len(nodes)
-        most += left
+                remaining -= len(nodes)
+        most += remaining
     return join_samples(every)
 
 

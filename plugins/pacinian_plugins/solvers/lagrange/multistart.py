@@ -1,4 +1,7 @@
-"""Other starting phases for few samples: how many there are, what they are, and which are worth continuing."""
+"""Other starting phases for few samples: what they are, and which are worth continuing.
+
+How many are continued at most: `Lagrange.starts` in solver.py.
+"""
 
 from __future__ import annotations
 
@@ -13,18 +16,21 @@ if TYPE_CHECKING:
     from pacinian.types import Complexes, Flags, Floats
 
 MAX_MULTISTART_SAMPLES = 16  # most samples for which other starts are tried
+MAX_STARTS_PER_SAMPLE = 2  # largest number of other starts, over the number of samples
 CANDIDATES_PER_START = 3  # number of starts that are rated for each one that is continued
 # Phase increment of the starts [turns]: the golden ratio minus 1. More digits would change the last bits of solutions.
 GOLDEN_FRACTION = 0.6180339887
 
 
 def count_other_starts(starts: int, free: Flags) -> int:
-    """Return how many other starts to continue: at most `starts`; 0 for many samples or fixed phases.
+    """Return the number of other starts: at most `starts`, and 2 for each sample; 0 for many samples or fixed phases.
 
     free: whether the phase of each sample is free, (M,).
     """
     M = len(free)
-    return min(starts, 2 * M) if M <= MAX_MULTISTART_SAMPLES and free.all() else 0
+    return (
+        min(starts, MAX_STARTS_PER_SAMPLE * M) if M <= MAX_MULTISTART_SAMPLES and free.all() else 0
+    )
 
 
 def make_start(amplitudes: Floats, k: int) -> Complexes:

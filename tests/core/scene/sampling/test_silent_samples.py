@@ -15,12 +15,12 @@ from pacinian.scene.sampling.array_resolution import ArrayResolution
 from pacinian.scene.sampling.sample_budget import FINE_ON_SKIN, ON_SKIN
 from pacinian.scene.sampling.sampler import SamplingMode
 from pacinian.scene.sampling.silent_samples import (
-    FAR,
+    FAST_SURROUND,
     FINE_SURROUND,
-    INNER,
-    MAX_FAR,
-    MAX_OF_SMALL,
-    SURROUND,
+    MAX_SECOND_RING_SAMPLES,
+    MIN_RING_DISTANCE,
+    MIN_RING_LIMIT,
+    SECOND_RING_RADIUS,
 )
 from pacinian.testing import ManualClock
 from pacinian_lab.regions.skin import measure_felt
@@ -55,8 +55,8 @@ def test_silent_samples_lie_on_skin_beside_and_change_nothing_else(
     plain, both = (sampled(scene, budget, surround=around, fine=fine) for around in (False, True))
     silent = both.radiation_pressure == 0.0
     assert 0.1 * len(plain) < silent.sum()
-    around = FINE_SURROUND if fine else SURROUND
-    first = max(MAX_OF_SMALL, around.share * len(plain))
+    around = FINE_SURROUND if fine else FAST_SURROUND
+    first = max(MIN_RING_LIMIT, around.max_ratio * len(plain))
     assert silent.sum() <= first
     assert np.array_equal(both.positions[~silent], plain.positions)
     assert np.array_equal(both.radiation_pressure[~silent], plain.radiation_pressure)
@@ -64,7 +64,7 @@ def test_silent_samples_lie_on_skin_beside_and_change_nothing_else(
     assert len(set(both.keys.tolist())) == len(both)
     resolved = ArrayResolution(ARRAY, AIR).compute_isolated_spacing((0.0, 0.0, 0.205))
     away, nearest = KDTree(plain.positions).query(both.positions[silent])
-    assert away.min() >= INNER * resolved
+    assert away.min() >= MIN_RING_DISTANCE * resolved
     assert away.max() < around.outer * resolved
     assert (both.regions[silent] == -2).all()
     assert np.array_equal(both.objects[silent], plain.objects[nearest])
@@ -152,10 +152,10 @@ def test_the_second_ring_is_for_elongated_arrays_and_for_long_solves_on_small_on
     resolved = ArrayResolution(array, AIR).compute_isolated_spacing((0.0, 0.0, 0.205))
     away = np.asarray(KDTree(samples.positions[~silent]).query(samples.positions[silent])[0])
     second = (1 in units and 2 in units) or (fine and len(array) <= 1000)
-    around = FINE_SURROUND if fine else SURROUND
-    assert away.max() < (FAR if second else around.outer) * resolved
+    around = FINE_SURROUND if fine else FAST_SURROUND
+    assert away.max() < (SECOND_RING_RADIUS if second else around.outer) * resolved
     far = int((away > around.outer * resolved).sum())
-    assert (0.4 * MAX_FAR < far <= MAX_FAR) if second else far == 0
+    assert (0.4 * MAX_SECOND_RING_SAMPLES < far <= MAX_SECOND_RING_SAMPLES) if second else far == 0
     assert len(set(samples.keys.tolist())) == len(samples)
 
 
