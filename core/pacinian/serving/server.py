@@ -110,7 +110,9 @@ def serve(
         config = LaunchConfig(str(folder), replace(settings, network=network))
         connection = _describe_connection(network, secrets, stop.address)
         supervisor = Supervisor(
-            functools.partial(_take_or_start_child, start_child, config, secrets, pipes, forked),
+            functools.partial(
+                _take_or_start_child, start_child, config, secrets, pipes, forked, set[str]()
+            ),
             settings.safety.hang_timeout,
             plugins=_name_plugins(settings),
         )
@@ -161,12 +163,18 @@ def _take_or_start_child(
     secrets: dict[str, str],
     pipes: ChildPipes,
     forked: launched_child.ForkedChildren,
+    started: set[str],
     name: str,
     spare: int,
 ) -> SupervisedChild:
-    """Return another process for `Supervisor`: a forked one, or a new one. The spare guard is a guard that waits."""
-    if refused := take_refused_setting(config.path):  # by the process that is started again
+    """Return another process for `Supervisor`: a forked one, or a new one. The spare guard is a guard that waits.
+
+    started: names of the processes that were started before; gets this one.
+    """
+    # By the process that is started again. At the first starts, the server ends and names the setting itself.
+    if name in started and (refused := take_refused_setting(config.path)):
         log().error("setting refused", key=refused.key, problem=refused.problem)
+    started.add(name)
     module = GUARD if name == SPARE else name
     # Only the bus has sockets.
     told = replace(config, spare=spare, secrets=secrets if name == "bus" else {})

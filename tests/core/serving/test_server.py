@@ -442,3 +442,31 @@ def test_without_room_for_the_stop_socket_it_says_what_to_do(
         "stop: no socket for emergency stops can be made there: No space left on device; make"
         in said
     )
+
+
+GUARD_ENDS_FIRST = """
+import sys, time
+from pacinian.serving.ipc.launched_child import start_child
+from pacinian.serving.server import serve
+from pacinian.serving.settings import Settings
+
+def start(name, config, pipe):
+    child = start_child(name, config, pipe)
+    while name == "guard" and child.poll() is None:
+        time.sleep(0.01)
+    return child
+
+serve(Settings(connection=sys.argv[1], rate=15.0), start_child=start, source="server.toml")
+"""
+
+
+@pytest.mark.deep
+def test_a_refused_setting_is_named_although_its_process_ends_before_others_start(
+    tmp_path: Path,
+) -> None:
+    """On a busy machine, the error then named the process, and not the setting."""
+    command = [sys.executable, "-c", GUARD_ENDS_FIRST, str(tmp_path / "c.json")]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert "SceneFileError: server.toml: $.rate: " in done.stderr
+    assert "setting refused" not in done.stderr
+    assert done.returncode == 1
