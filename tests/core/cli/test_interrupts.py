@@ -55,7 +55,9 @@ def end(folder: Path, *words: str) -> tuple[int, str, str]:
 
 
 @pytest.mark.parametrize("source", [LOSE, TURN], ids=["lost", "turned"])
-@pytest.mark.parametrize("words", [("plugins",), ("serve", "--solver", "lost")], ids=" ".join)
+@pytest.mark.parametrize(
+    "words", [("plugins",), ("serve", "--quiet", "--solver", "lost")], ids=" ".join
+)
 def test_ctrl_c_while_a_plug_in_is_imported_ends_the_command(
     words: tuple[str, ...], source: str, tmp_path: Path
 ) -> None:
