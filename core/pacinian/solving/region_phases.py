@@ -122,15 +122,15 @@ def settle_phases(
     assert regions is not None
     array, q, M = propagator.array, propagator.points, len(t)
     k = propagator.medium.wavenumber(array.transducer.frequency)
-    some, wave, of_source = _choose_subset(array), np.zeros(M), np.empty(M)
+    some, wave, part = _choose_subset(array), np.zeros(M), np.empty(M)
     if propagator.facing is None:
         sources, least = _find_centre(array)[np.newaxis], MIN_CONVERGENCE
     else:
         sources, least = _find_sources(propagator, regions), MIN_CONVERGENCE_ON_SKIN
     for number, source in enumerate(sources):
         own = regions if len(sources) == 1 else np.where(regions == number, 0, ISOLATED)
-        kernels.waves(q, t, own, some, source, k, least, tilt, of_source)
-        wave += of_source
+        kernels.waves(q, t, own, some, source, k, least, tilt, part)
+        wave += part
     if propagator.quiet_subspace is not None:
         for number in range(int(regions.max()) + 1):
             own = regions == number

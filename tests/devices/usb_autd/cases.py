@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 FILE = Path(__file__).parent / "vectors.json"
 SMALL = CapabilityReport(units=3, transducers=4, queue=8, samples=12, longest=256)
-WHOLE = CapabilityReport(units=1)
+ONE_UNIT = CapabilityReport(units=1)
 
 Step = list[Any]
 
@@ -132,7 +132,7 @@ def cases() -> dict[str, tuple[CapabilityReport, list[Step]]]:
     return {
         **small,
         "just attached": (SMALL, feed(one)),
-        "an AUTD unit": (WHOLE, [["arm", 7], *feed(whole)]),
+        "an AUTD unit": (ONE_UNIT, [["arm", 7], *feed(whole)]),
     }
 
 

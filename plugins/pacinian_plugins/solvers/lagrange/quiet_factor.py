@@ -28,10 +28,9 @@ MAX_SATURATION = 0.075
 # Silent samples nearer to a region than half a wavelength do not count: pressure cannot fall that fast [m].
 NEAR = 4.3e-3
 MAX_FACTOR = 32.0
-EXPONENT = (
-    0.8  # of the change of the factor, over that of the loudness: about how the latter responds
-)
-MIN_CHANGE = 1.3  # smallest change that is worth further steps, as a ratio
+# The factor changes by the ratio of loudness to its limit, to this power.
+EXPONENT = 0.8
+MIN_CHANGE = 1.3  # smallest change of the factor that is worth further steps, as a ratio
 # Largest number of changes in a solve that starts anew, and in one that continues from the last.
 MAX_COLD_CHANGES, MAX_WARM_CHANGES = 4, 1
 
