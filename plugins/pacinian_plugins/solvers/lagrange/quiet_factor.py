@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 MAX_LOUDNESS, MAX_LOUDNESS_AT_LIMIT = 0.45, 1.2
 # fraction of the transducers at their limit from which the second value holds; between 0 and this, it rises linearly
 MAX_SATURATION = 0.075
-# Silent samples nearer to a region than half a wavelength do not count: pressure cannot fall that fast [m].
-NEAR = 4.3e-3
+# Silent samples nearer to a region than this do not count: pressure cannot fall that fast [wavelengths].
+NEAR = 0.5
 MAX_FACTOR = 32.0
 # The factor changes by the ratio of loudness to its limit, to this power.
 EXPONENT = 0.8

@@ -93,17 +93,19 @@ class Ascent:
         self.run()
         return np.asarray(self.workspace.made[0] + 1j * self.workspace.made[1])
 
-    def quieten(self, points: Floats, targets: pc.Targets, changes: int) -> None:
+    def quieten(self, propagator: pc.Propagator, targets: pc.Targets, changes: int) -> None:
         """Continue with other quiet factors, until the skin beside the regions is quiet enough.
 
         changes: largest number of these. See `quiet_factor`.
         """
         regions = targets.regions
         assert regions is not None
+        frequency = propagator.array.transducer.frequency
+        near = NEAR * 2.0 * math.pi / propagator.medium.wavenumber(frequency)
         for _ in range(changes):
             if self.budget.spent or not self.workspace.met:
                 return
-            loudness = find_loudest(points, regions, self.p, self.workspace.made, NEAR)
+            loudness = find_loudest(propagator.points, regions, self.p, self.workspace.made, near)
             saturation = self.workspace.held / self.B.shape[1]
             factor = adapt_factor(self.factor, loudness, saturation)
             if factor == self.factor:
@@ -152,7 +154,7 @@ def solve(arguments: SolveArguments, relative: float) -> pc.Result:
         ascent.run()
         if targets.beside.any():
             changes = MAX_WARM_CHANGES if continues else MAX_COLD_CHANGES
-            ascent.quieten(propagator.points, targets, changes)
+            ascent.quieten(propagator, targets, changes)
     p, y, mu, scale, steps = ascent.p, ascent.y, ascent.mu, unit / max(share, 1.0), ascent.steps
     done = strongest or workspace.met or budget.spent
     if done and out.dtype == np.complex64:
